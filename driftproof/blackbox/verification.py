@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import chain
 
 from driftproof.blackbox import criteria
+from driftproof.blackbox.checks.arguments import DIVIDES
 from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.agreement import Agreement
@@ -205,5 +206,7 @@ class Refutation:
 
     @property
     def _faults(self) -> Sequence[str]:
-        section = self.instead.section("Faults")
-        return section.lines if section else ()
+        """The faults that may be why it is no known method, or else its linear order."""
+        section, linear = self.instead.section("Faults"), self.instead.section("One-step matrix")
+        found = [line for line in (section.lines if section else ()) if not line.startswith(DIVIDES)]
+        return found or [line for line in (linear.lines if linear and section else ()) if "linear order" in line]

@@ -9,10 +9,12 @@ import pytest
 
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.judging.specification import Domain
+from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, newton, one_by_one, simplified, table, with_entry
 from tests.blackbox.judging.test_nonlinear_step import kick_drift_kick
+from tests.blackbox.matching.test_linear_match import newmark_in_displacements
 from tests.blackbox.test_verify import (
     SHORT,
     SOLVED,
@@ -232,3 +234,9 @@ def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(s
     named = identify(step, isolate=False)
     assert seen in named.verdict
     as_before(report.verdict, *titles(report), named.verdict, *titles(named))
+
+
+def test_a_division_by_a_step_of_0_is_not_what_makes_a_method_unknown():
+    report = verify(newmark_in_displacements(0.6), "trapezoid", isolate=False, allowance=SOLVED)
+    assert report.verdict == "is not trapezoid; it is not a known method: linear order 1"
+    assert report.section("Identified instead: faults").lines[0].startswith("it divides by h = 0")

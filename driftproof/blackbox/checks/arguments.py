@@ -124,6 +124,10 @@ _INTEGERS = {
 }
 
 
+# A fault that is no other method: implicit steps in displacements divide by h squared.
+DIVIDES = "it divides by h = 0"
+
+
 def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that h = 0 gives the state back."""
     runner = steady_runner(subject)
@@ -132,11 +136,11 @@ def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     if trial is None:
         return (CheckResult("zero_step", True, "h = 0 returns the state unchanged", (trials[0],)),)
     if "ZeroDivisionError" in trial.failure:
-        holds, words = False, "it divides by h = 0: it raises ZeroDivisionError"
+        holds, words = False, f"{DIVIDES}: it raises ZeroDivisionError"
     elif trial.answer is None:
         return (CheckResult("zero_step", None, f"h = 0 is refused: {trial.refusal}", (trial,)),)
     elif not trial.finite:
-        holds, words = False, f"it divides by h = 0 and returns {trial.seen}"
+        holds, words = False, f"{DIVIDES} and returns {trial.seen}"
     else:
         moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
         holds, words = moved <= runner.rounding, f"h = 0 returns the state except for rounding by {moved:.1g}"

@@ -80,11 +80,12 @@ class _InTwoParts(NonlinearProblem):
 
 
 class WithDamping(_InTwoParts):
-    """A problem y' = f + g, where g damps each number at a rate that depends on the next one."""
+    """A problem y' = f + g, where g damps each number at a rate that depends on the next one, and on t if told."""
 
     def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
         """The slopes of g if `implicit`, else those of f."""
-        damping = [-x * (1 + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
+        faster = t * t if self.timed else 0
+        damping = [-x * (1 + faster + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
         return damping if implicit else [k - g for k, g in zip(self.rate(t, [*y]), damping, strict=True)]
 
 

@@ -109,6 +109,8 @@ class ImexIdentity:
         found = facts.orders_within(walks.NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
+        if self.faults and measured.order is not None and measured.order < found.order:
+            words += f", of order {measured.order} where g or f depends on t"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
         return [words, f"{order_seen(measured.order)} on {measured.problem}, split in two {slopes}"]
 

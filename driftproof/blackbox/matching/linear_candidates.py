@@ -26,7 +26,7 @@ from driftproof.blackbox.matching.equivalent_methods import (
     equivalent_methods,
 )
 from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
-from driftproof.blackbox.probes.linear_steps import LinearReading, MatrixEntries
+from driftproof.blackbox.probes.linear_steps import RATE_BITS, LinearReading, MatrixEntries
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # The most roundings in a rate read at a tiny step, where the slopes of all stages are equal and are only summed. The
@@ -58,7 +58,11 @@ def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
     assert reading.at_zero is not None
     slack = max(_RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
     in_position, in_velocity = reading.at_zero[1:3]
-    rates = in_position / reading.tiny, -in_velocity / reading.tiny
+    # What a difference such as (exp(h) - 1)/h rounds by, if the tiny step is so long that this is little.
+    rounded = 4 * float(reading.format.u) / reading.tiny
+    near = rounded if rounded < 2.0**-RATE_BITS else 0.0
+    given = in_position / reading.tiny, -in_velocity / reading.tiny
+    rates = [1.0 if abs(x - 1) <= near else x for x in given]
     simple = [simple_rational(x, abs(x) * slack) for x in rates]
     a, k = (Fraction(x) if found is None else found for x, found in zip(rates, simple, strict=True))
     return a, k

@@ -37,6 +37,8 @@ FAR_BITS = 20
 COARSE_BITS = (20, 12)
 # Rates read at two tiny steps agree to this many bits unless they are noise; binary16 has no more.
 RATE_BITS = 10
+# At 1/256 of the system's own time rates have changed by far less than a part in four of both.
+_OTHER_RATE_BITS = 2
 
 
 @dataclass(frozen=True)
@@ -129,11 +131,11 @@ def _matrix(subject: ForeignStepper, h: float, amplitude: float) -> MatrixEntrie
     return qq / amplitude, qv / amplitude, vq / amplitude, vv / amplitude
 
 
-def _at_amplitude(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
-    """The reading with its tiny step, M there, and its unit of time."""
+def _at_amplitude(subject: ForeignStepper, reading: LinearReading, coarse: bool = False) -> LinearReading:
+    """The reading with its tiny step, M there, and its unit of time; only steps that are not so tiny if `coarse`."""
     unit = 1.0
     for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
-        found = _rates(subject, reading, unit)
+        found = _rates(subject, reading, unit, coarse)
         if found is None:
             return replace(reading, unit=unit)
         tiny, m = found
@@ -143,10 +145,12 @@ def _at_amplitude(subject: ForeignStepper, reading: LinearReading) -> LinearRead
     return replace(reading, unit=unit)
 
 
-def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tuple[float, MatrixEntries] | None:
+def _rates(
+    subject: ForeignStepper, reading: LinearReading, unit: float, coarse: bool
+) -> tuple[float, MatrixEntries] | None:
     """The smallest of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
     p = reading.format.precision
-    for bits in sorted({p + 7, p // 2, *COARSE_BITS}, reverse=True):
+    for bits in sorted({*([] if coarse else (p + 7, p // 2)), *COARSE_BITS}, reverse=True):
         tiny = unit * ldexp(1.0, -bits)
         try:
             m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
@@ -238,7 +242,8 @@ def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]
     return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
-def _with_steps(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
+def _with_steps(subject: ForeignStepper, reading: LinearReading, coarse: bool = False) -> LinearReading:
+    """The reading with its steps; from the first one on again if tiny steps had other rates, as differences cancel."""
     found, failures = [], []
     for text in (*DYADIC, *NOT_DYADIC, *_FAR):
         h, forward = _in_format(reading.format, reading.unit * float(Fraction(text))), text[0] != "-"
@@ -248,6 +253,11 @@ def _with_steps(subject: ForeignStepper, reading: LinearReading) -> LinearReadin
             if forward and h <= reading.unit / 2:
                 raise
             failures.append((forward, h, str(failure)))
+    (h, m), tiny = found[0], reading.tiny
+    if not coarse and reading.at_zero is not None and reading.identifiable:
+        rates = zip(reading.at_zero[1:3], m[1:3], strict=True)
+        if any(abs(x / tiny - y / h) > ldexp(abs(x / tiny) + abs(y / h), -_OTHER_RATE_BITS) for x, y in rates):
+            return _with_steps(subject, _at_amplitude(subject, reading, coarse=True), coarse=True)
     remarks = list(reading.remarks)
     for way in (False, True):
         at = [(h, seen) for forward, h, seen in failures if forward is way]

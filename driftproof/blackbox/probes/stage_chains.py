@@ -129,7 +129,7 @@ class StageChains:
         if off > _FAR * max(1.0, *map(abs, seen)):
             raise NotReadable(
                 f"with its stages marked, a coefficient is {seen[0]:.6g}, and {seen[1]:.6g} with another start, time, "
-                "h and size: a solver that stops too early, or a step not made of stages"
+                "h and size: a solver that stops too early, or a step not made of stages, as of exponential integrators"
             )
         self._off = max(self._off, off)
         return seen[0]

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain, pairwise
+from itertools import chain, pairwise, product
 from math import exp, fsum, isclose, log, log1p
 from operator import sub
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, TooSlow
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
@@ -22,12 +24,14 @@ from driftproof.methods.schemes import RungeKutta
 
 # The error estimate of a step of size h from the slopes k of its stages.
 _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
+# The slope of a run as a function of t.
+_Slope: TypeAlias = Callable[[float], float]
 # The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
 # The shorter span is for estimates with a wrong stage, O(h^2), which take some thousand steps.
 _SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
 # |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
 # methods of low order, which take too many steps at the smaller one.
-_RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
+_RTOL, _ATOLS = 1e-13, (1e-7, 1e-4)
 # A law must give every factor to this relative accuracy: the scale is known better, and its exponents are small.
 _CLOSE = 1e-4
 # An estimate may be the difference of two states below 1, of which each rounds by u and each sum before it by less.
@@ -112,10 +116,10 @@ class ControllerReading:
     faults: tuple[str, ...]
 
 
-def bumps(t: float) -> float:
+def bumps(t: float, between: float = 0.5) -> float:
     """A slope with a bump in the middle of every unit of time, flat between, whose sign jumps at every whole time."""
     unit = int(t)
-    return (-1.0) ** unit * (0.5 + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
+    return (-1.0) ** unit * (between + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
 
 
 def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerReading:
@@ -124,9 +128,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     The slopes depend on t alone: the estimate of each attempt, and with it r, follows from the two rows of the pair,
     and the factors are observed. Rejected attempts show in the times of the calls.
     """
-    run, atol = _run(subject)
+    run, atol, slope = _run(subject)
     attempts = list(_attempts(run, steps))
-    traces = _traces(run, steps, attempts)
+    traces = _traces(run, steps, attempts, slope)
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law can be observed")
@@ -144,7 +148,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     in_a_row = f", up to {most} in a row" * (most > 1)
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
-    points = partial(_points, lambda t, y: [bumps(t)], run, attempts, atol)
+    points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
     laws = filter(None, (_law(name, list(points(name, estimate))) for name, estimate in estimates))
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
@@ -158,7 +162,8 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol))
+    elsewhere = _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol, slope)
+    others = chain(_accepted_beyond(law), elsewhere)
     return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)))
 
 
@@ -170,9 +175,11 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
 
-def _elsewhere(subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float) -> Iterator[str]:
+def _elsewhere(
+    subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float, slope: _Slope
+) -> Iterator[str]:
     """Say that most step sizes do not follow the law where slopes depend on y, as if a stage had another state."""
-    rate: StageRate = lambda t, y: [bumps(t) * (1 + y[0] * y[0])]
+    rate: StageRate = lambda t, y: [slope(t) * (1 + y[0] * y[0])]
     run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
     points = list(_points(rate, run, list(_attempts(run, steps)), atol, law.estimate, estimate))
     words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
@@ -190,13 +197,21 @@ def _wrong_exponent(law: Law) -> Iterator[str]:
             yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
 
 
-def _run(subject: ForeignSolver) -> tuple[Solution, float]:
-    """The run and its absolute tolerance, the larger one if need be. Raises DoesNotEnd if both are too small."""
-    solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
-    try:
-        return solved(_ATOL), _ATOL
-    except (DoesNotEnd, TooSlow):
-        return solved(_LARGER_ATOL), _LARGER_ATOL
+def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
+    """The run, its absolute tolerance, the larger one if need be, and its slope, without jumps if they stop the solver.
+
+    As they stop one whose estimate is per unit of time: it stays large at a jump. Raises the last Misbehaviour.
+    """
+
+    def solved(slope: _Slope, atol: float) -> tuple[Solution, float, _Slope]:
+        return subject.solve(lambda n, t, y: [slope(t)], _SPAN, (0.0,), _RTOL, atol), atol, slope
+
+    without_jumps: _Slope = partial(bumps, between=-1.0 / (1.0 + (_WIDTH / 2) ** 4))
+    *tried, last = product([bumps, without_jumps], _ATOLS)
+    for each in tried:
+        with suppress(Misbehaviour, TooSlow):
+            return solved(*each)
+    return solved(*last)
 
 
 def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
@@ -215,6 +230,8 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
             lengths.append(length)
             while position < len(run.calls) and _at(run.calls[position].t, start + length, length):
                 position += 1
+        if not found and len(lengths) > 1 and lengths[0] < lengths[1]:  # of two stages: it chose its first step size
+            del lengths[0]
         rejected = lengths[:-1]
         found += [Attempt(start, length, n, False, None) for n, length in enumerate(rejected, 1)]
         found.append(Attempt(start, end - start, len(rejected), True, None))
@@ -344,6 +361,9 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         return None
     if not others:
         return ""
+    rejected = [p for p, _ in others if not p.accepted and not _is_same(p.factor, smallest)]
+    if len(rejected) == len(others) and (plain := _fitted(rejected, 2)) and plain[1] > 0:
+        return f"; after a rejection {exp(plain[0]):.4g} r^(-{_shown(plain[1])})"
     first, said_first = min(others, key=lambda pair: pair[0].rejections)
     beside = sum(p.rejections >= first.rejections for p in known)
     where = f" after {first.rejections} or more rejections in a row" * (first.rejections > 0)
@@ -386,7 +406,7 @@ def _shown(x: Fraction | float) -> str:
     return str(x) if isinstance(x, Fraction) else f"{x:.4g}"
 
 
-def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> tuple[str, ...]:
+def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt], slope: _Slope) -> tuple[str, ...]:
     """The faults of steps that do not end where their weights and the slopes at their own times say."""
     allowed = _TRACE * float(steps.reading.format.u)
     reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
@@ -395,14 +415,14 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
         if int(start - _NEAR) != int(end + _NEAR):  # across a jump, or up to it, where rounding of a time matters
             continue
         h = end - start
-        slopes = [bumps(start + c * h) for c in reading.c or ()]
+        slopes = [slope(start + c * h) for c in reading.c or ()]
         off = y1 - y - h * fsum(b * k for b, k in zip(reading.b, slopes, strict=True))
         seen_after += start in tried
         if abs(off) <= allowed:
             continue
         wrong_after, wrong_else = wrong_after + (start in tried), wrong_else + (start not in tried)
         if start in tried:
-            old = bumps(start + tried[start])
+            old = slope(start + tried[start])
             stale += abs(off - h * reading.b[0] * (old - slopes[0])) <= allowed
     if wrong_after and not wrong_else:
         cause = ": its first slope is the last one of the rejected attempt" if stale == wrong_after else ""

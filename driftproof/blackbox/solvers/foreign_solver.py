@@ -30,7 +30,7 @@ _SETTINGS = {
     COUNT: (calling.COUNTS,),
 }
 # The default number of steps for solvers that take a step size or a number.
-_USUAL = 128
+USUAL = 128
 # The names under which an answer may hold its times, its states and its dense output.
 _TIMES = ("t", "ts", "times", "time")
 _STATES = ("y", "ys", "u", "x", "states")
@@ -96,10 +96,11 @@ class ForeignSolver:
         y0: Sequence[float],
         rtol: float = 1e-6,
         atol: float = 1e-9,
-        steps: int = _USUAL,
+        steps: float = USUAL,
     ) -> Solution:
         """Return one run: with `steps` steps if the solver takes their size or number, else to the tolerances it takes.
 
+        They are no whole number where a size does not divide the span.
         Raises a `Misbehaviour` if there is no usable answer.
         """
         calls: list[Call] = []
@@ -119,7 +120,7 @@ class ForeignSolver:
             TOLERANCES: {"rtol": rtol, "atol": atol},
             TOLERANCE: {"tol": max(rtol, atol)},  # at numbers of size 1
             LENGTH: {"h": length},
-            COUNT: {"n": steps},
+            COUNT: {"n": int(steps)},
             NOTHING: {},
         }
         given = settings[self.takes]

@@ -18,6 +18,8 @@ from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
+    NotReadable.kind: "where a solver cannot be read, one of its steps often can: give that to identify or verify, as "
+    "step(f, t, y, h), or step(f, jacobian, t, y, h) of a Rosenbrock method with f' as an argument",
     WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
@@ -55,7 +57,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
         None,
         _sections(steps, controller, runs),
         {
-            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result)},
+            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
             "faults": list(_faults(steps, controller, runs)),
@@ -76,8 +78,11 @@ def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
         return memory if memory.settled else replace(memory, faults=(*memory.faults, str(refusal)))
 
 
-def _order(steps: SolverSteps | SolverMemory) -> int | None:
-    return steps.order if isinstance(steps, SolverMemory) else steps.order.order
+def _order(steps: SolverSteps | SolverMemory, runs: Outcome) -> int | None:
+    """The order of the tableau or the recurrence; of a step of another length than its times, the order observed."""
+    order = steps.order if isinstance(steps, SolverMemory) else steps.order.order
+    lines = [] if order != 0 or runs.failed else runs.result.seen.get("Tolerance", ())
+    return min((round(float(line.partition(", order ")[2])) for line in lines if ", order " in line), default=order)
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
@@ -100,8 +105,11 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     if found is None:
         name = f"its steps are not read: {steps.seen}{_implicit(runs)}"
     else:
-        order = _order(found)
-        name = f"it advances {found.name}{_implicit(runs) if order is None else f', of order {order}'}"
+        order = _order(found, runs)
+        shown = _implicit(runs) if order is None else f", of order {order}"
+        if isinstance(found, SolverSteps) and order != found.order.order:  # that share depends on the number of steps
+            shown = f" in one run; order {order} is observed"
+        name = f"it advances {found.name}{shown}"
     control: ControllerReading | None = controller.result
     measured = ""
     if control is not None and (control.law or not control.faults):
@@ -118,9 +126,10 @@ def _implicit(runs: Outcome) -> str:
 def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
+    unread = steps.kind == NotReadable.kind
     unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
-        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and runs.failed else []),
+        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),
         ("Steps", [] if steps.failed else steps.result.lines),
         ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
         ("Step size control", [] if controller.result is None else controller.result.lines),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from math import cos, e, hypot, isclose, isfinite, log, log2, nan, sin
 from typing import Any, TypeAlias
@@ -15,8 +16,10 @@ from flint import arb
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, walls
 from driftproof.blackbox.solvers.foreign_solver import (
+    LENGTH,
     NOTHING,
     TOLERANCES,
+    USUAL,
     DoesNotEnd,
     ForeignSolver,
     RunSlopes,
@@ -53,6 +56,9 @@ _NEARBY = 2.0**-23
 _TINY = 1e-9
 # Rounding in estimates of high order moves steps by 1e-8; an error that counts less moves them by part of a step.
 _SAME_TIME = 1e-6
+# Step sizes that do not divide their span, once rounded down and once up; and one of which 3, rounded, are less than
+# the span, so that programs that count steps by int(), or add h until the end, lose one or gain one.
+_NOT_DIVIDED = ((_SPAN, 1.7 / 5.4), (_SPAN, 1.7 / 5.6), ((0.0, 0.3), 0.1))
 # One more number than the widest unrolled loops have.
 _NUMBERS = 5
 # What was seen, and the faults, in lines.
@@ -107,16 +113,63 @@ def _constant_slopes(subject: ForeignSolver) -> _Seen:
 
 
 def _clock(subject: ForeignSolver) -> _Seen:
-    """Check where the last step ends, whether there is one too many, and in which format time is kept."""
-    run = subject.solve(lambda n, t, y: [1.0, y[0]], _SPAN, (0.0, 0.0), _RTOL, _ATOL)
-    end, t = _SPAN[1], run.t
+    """Check where the last step ends and which time is kept, also with a step size that does not divide the span."""
+    run = _of_time(subject, _SPAN)
+    lines, faults = _timed(run, _SPAN)
+    if subject.takes != LENGTH or faults:
+        return lines, faults
+    exact = _is_parabola(run)
+    for (start, end), h in _NOT_DIVIDED:
+        words = f"with h = {h:g} from {start:g} to {end:g}"
+        try:
+            run = _of_time(subject, (start, end), (end - start) / h)
+        except Misbehaviour as failure:
+            lines.append(f"{words} it gives no answer: {failure.word}")
+            continue
+        _, wrong = _timed(run, (start, end))
+        seen, other = _lengths(run, h, (end - start) / h)
+        lines.append(f"{words} it makes {seen}")
+        if exact and not wrong and not _is_parabola(run):
+            wrong = ["the last step is not of its method: y' = t is solved exactly only if h divides the span"]
+        faults = faults or [f"{words}, {fault}" for fault in (wrong or other)]
+    return lines, faults
+
+
+def _of_time(subject: ForeignSolver, span: tuple[float, float], steps: float = USUAL) -> Solution:
+    return subject.solve(lambda n, t, y: [1.0, y[0]], span, (0.0, 0.0), _RTOL, _ATOL, steps)
+
+
+def _is_parabola(run: Solution) -> bool:
+    """True if the run of y' = (1, y[0]) ends where methods of order 2 and above do, to rounding."""
+    u, v = run.y[-1]
+    return isclose(v, u * u / 2, abs_tol=4 * len(run.calls) * float(run.format.u) * (1 + u * u))
+
+
+def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
+    """The steps in words, and the fault of equal ones that neither are h long nor part the span in as many."""
+    in_h = [(b - a) / h for a, b in pairwise(run.t)] or [0.0]
+    *most, last = in_h
+    same = partial(isclose, rel_tol=_SAME_TIME)
+    if all(same(x, 1.0) for x in in_h):
+        return f"{len(in_h)} steps of h", []
+    if all(same(x, 1.0) for x in most):
+        return f"{len(most)} steps of h, then one of {last:.4g} h", []
+    if not all(same(x, last) for x in most):
+        return f"{len(in_h)} steps of {min(most):.4g} h to {max(most):.4g} h, the last one of {last:.4g} h", []
+    seen = f"{len(in_h)} equal steps of {last:.4g} h"
+    return seen, [f"it makes {seen}"] * (abs(len(in_h) - asked) >= 1)
+
+
+def _timed(run: Solution, span: tuple[float, float]) -> _Seen:
+    """Say where the last step ends, whether there is one too many, and in which format time is kept."""
+    (start, end), t = span, run.t
     if len(t) < 2:
-        return [], ["it makes no step"]
-    lines, length = list[str](), end - _SPAN[0]
+        return [], ["where y' = 1 it makes no step"]
+    lines, length = list[str](), end - start
     faults = ["its times do not increase"] * any(b <= a for a, b in pairwise(t))
     off, beyond = t[-1] - end, max(call.t for call in run.calls) - end
     last, steps = t[-1] - t[-2], len(t) - 1
-    accumulated = _accumulated(t)
+    accumulated = _accumulated(t, span)
     if in_binary32(t):
         faults.append(f"time is kept in binary32: the last step ends at {t[-1]!r}, {off:.3g} from the end{accumulated}")
     elif off == 0:
@@ -131,8 +184,8 @@ def _clock(subject: ForeignSolver) -> _Seen:
     if 0 < last < _TINY * length:
         faults.append(f"one step too many: the last one is {last:.2g} long")
     # y[0] = t - t_start keeps the time that was integrated over, whatever is returned as t.
-    drift = max(abs(y[0] - (x - _SPAN[0])) for x, y in zip(t, run.y, strict=True))
-    allowed = 4 * len(run.calls) * float(run.format.u) * (abs(_SPAN[0]) + length)
+    drift = max(abs(y[0] - (x - start)) for x, y in zip(t, run.y, strict=True))
+    allowed = 4 * len(run.calls) * float(run.format.u) * (abs(start) + length)
     if drift > allowed:
         faults.append(f"the time that it integrates over and the time that it returns differ by {drift:.3g}")
     if beyond > 2.0**-50 * abs(end) and off <= 0:
@@ -140,11 +193,11 @@ def _clock(subject: ForeignSolver) -> _Seen:
     return lines, faults
 
 
-def _accumulated(times: Sequence[float]) -> str:
+def _accumulated(times: Sequence[float], span: tuple[float, float]) -> str:
     """The remark that the times are exactly those of t += h in one of the formats; "" if they are not."""
     count = len(times) - 1
     for number, name in ((np.float64, "binary64"), (np.float32, "binary32")):
-        for h in {number((_SPAN[1] - _SPAN[0]) / count), number(times[1] - times[0]), number(0.01)}:
+        for h in {number((span[1] - span[0]) / count), number(times[1] - times[0]), number(0.01)}:
             t = number(times[0])
             if all(float(t := t + h) == x for x in times[1:]):
                 return f"; time is accumulated, t += h in {name}, which gives these times exactly"
@@ -224,6 +277,8 @@ def _jump(subject: ForeignSolver) -> _Seen:
         run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"at a jump of f it has not ended: {failure}"]
+    except Misbehaviour as failure:
+        return [f"at a jump of f it reports that: {failure.word}"], []
     (last,) = run.y[-1]
     off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
@@ -247,7 +302,8 @@ def _tolerance(subject: ForeignSolver) -> _Seen:
         seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
         lines += [f"{words}: {line}" for line in seen]
         if faults:
-            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_ignored(subject)]
+            told = any("is ignored" in fault or "without saying" in fault for fault in faults)
+            return lines, faults if told else [*faults, *_ignored(subject)]
     return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
 
 
@@ -256,6 +312,8 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
         return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
+    if early := next((run for run in runs if _ends_early(run, span)), None):
+        return [], [f"on {problem.words} it ends at t = {early.t[-1]:.6g} of {span}, without saying so"]
     errors = [_error(run, problem) for run in runs]
     lines = [
         f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
@@ -275,6 +333,12 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
         lines.append(f"errors fall like rtol^{log(most / least) / log(first / last):.2f}")
     far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
     return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
+
+
+def _ends_early(run: Solution, span: tuple[float, float]) -> bool:
+    """True if it ends by more than a step before the end, where it has no error yet."""
+    last = run.t[-1] - run.t[-2] if len(run.t) > 1 else 0.0
+    return span[1] - run.t[-1] > last + _GROSS
 
 
 def _shortened(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:

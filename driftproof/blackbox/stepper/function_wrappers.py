@@ -99,7 +99,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     given = arguments_by_role(names, kind)
-    line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names, given)
+    line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names)
     if kind == MAP and not line and (called := with_global(step)):
         line = _function_wrapper(called)
         return line if line and "write values" not in line else ""
@@ -259,10 +259,15 @@ def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
     return replaced
 
 
-def _pair_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
-    """The wrapper of a step of x' = f, v' = g with both functions as arguments; "" if it calls no two with x and v."""
-    functions = [each for each in names if given.get(each, "force") == "force"]
-    if len(functions) != 2 or not {"q", "v"} <= {*given.values()}:
+def _pair_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The wrapper of a step of x' = f, v' = g with both functions as arguments; "" if it calls no two with x and v.
+
+    Both are handed to it as parts of one right-hand side, so that all that each of them is asked shows.
+    """
+    functions = [each for each in names if role_of(each, (FUNCTION,)) or each in ("g", "G", "func2", "f2")]
+    known = {time: "t" for time in names if role_of(time, (TIME,))} | {size_name(names): "h"}
+    states = [each for each in names if each not in (*functions, *known)]
+    if len(functions) != 2 or len(states) != 2:
         return ""
     asked: list[tuple[Any, ...]] = []
 
@@ -270,12 +275,18 @@ def _pair_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping
         asked.append(x)
         return 0.0
 
-    values = {each: TRIAL_ARGUMENTS.get(given.get(each, "")) for each in names} | dict.fromkeys(functions, asks)
+    trial = {"t": 0.0, "h": 0.25, "y[0]": 1.0, "y[1]": 0.5}
+    given: dict[Any, str] = {**known, **dict(zip(states, ("y[0]", "y[1]"), strict=True))}
     with suppress(Exception):
-        step(*[values[each] for each in names])
-        at_q, at_v = (asked[0].index(TRIAL_ARGUMENTS[each]) for each in "qv")
-        both = dict(zip(functions, (f"lambda *x: x[{at_v}]", f"lambda *x: force(x[{at_q}])"), strict=True))
-        return f"def wrapped({HEADS[FORCE]}): return {_called(step, names, {**given, **both})}"
+        step(*[asks if each in functions else trial[given[each]] for each in names])
+        first, second, *_ = (
+            {text: x.index(trial[text]) for text in ("y[0]", "y[1]", "t") if trial[text] in x} for x in asked
+        )
+        if first == second and {"y[0]", "y[1]"} <= first.keys():
+            time, x, v = (f"x[{first[each]}]" if each in first else each for each in ("t", "y[0]", "y[1]"))
+            parts = [f"lambda *x: f({time}, numpy.array([{x}, {v}]))[{i}]" for i in (0, 1)]
+            call = _called(step, names, {**given, **dict(zip(functions, parts, strict=True))})
+            return f"def wrapped({HEADS[FIELD]}): import numpy; return numpy.array({call})"
     return ""
 
 

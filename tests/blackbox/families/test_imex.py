@@ -48,6 +48,16 @@ def test_tables_that_do_not_fit_are_of_lower_order_together():
     assert "of order 1 on f + g, its tables alone have order 2 and 2" in words
 
 
+@pytest.mark.parametrize(("times", "order"), [([0.0, 0.0, 0.0], 1), (None, 2)])
+def test_the_order_is_that_of_functions_of_t_as_well(times, order):
+    """Of stages that are solved at t: where g does not depend on t, the tables alone count."""
+    report = verify(imex("ars222", **({"implicit_times": times} if times else {})), "ars222", isolate=False)
+    assert report.passed is (times is None)
+    criterion = "Order: passed" if times is None else "Order: FAILED"
+    assert f"order {order} is observed on a nonlinear problem" in report.section(criterion).lines[1]
+    assert ("of order 1 where g or f depends on t" in report.verdict) is (times is not None)
+
+
 @pytest.mark.parametrize("step", [split_in_turn, unsolved])
 def test_another_step_is_not_known_and_has_its_order(step):
     report = identify(step, isolate=False)
@@ -79,7 +89,7 @@ def test_a_program_is_told_both_tables_and_the_orders_are_shown():
     assert [float(x) for x in report.data["a_implicit"][2]] == pytest.approx([0.0, 1 - g, g], abs=1e-15)
     tables, seen = report.section("Order").lines
     assert tables == "of order 2 on f + g, its tables alone have order 2 and 2"
-    assert seen.endswith("with t, split in two (slopes of the local error: 2.81, 2.89, 2.94, 2.97, 2.99, 2.99)")
+    assert seen.endswith("with t, split in two (slopes of the local error: 2.75, 2.87, 2.93, 2.97, 2.98, 2.99)")
     lines = verify(imex("ars222"), "ars443", isolate=False).section("Coefficients: FAILED").lines
     assert lines == ("not those of ars443", "ars443 has 5 stages with an effect, this one 3")
     assert identify(imex("ars111", implicit_times=[0.0, 0.0]), isolate=False).data["method"] is None

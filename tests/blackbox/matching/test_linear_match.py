@@ -215,6 +215,37 @@ def test_a_step_is_nearly_a_method_to_1e_4_where_no_other_is_16_times_as_far(sha
     assert seen_near(between) == (classes[mine].keys[0] if share < 1 else None)
 
 
+def newmark_in_displacements(gamma):
+    """Newmark's method for q'' = -q with beta = 1/4: the new acceleration is a difference over h^2."""
+
+    def step(q, v, h):
+        stiff = 4 / h**2
+        new = (stiff * q + 4 / h * v - q) / (1 + stiff)
+        acceleration = stiff * (new - q) - 4 / h * v + q
+        return new, v + h * ((1 - gamma) * -q + gamma * acceleration)
+
+    return step
+
+
+@pytest.mark.parametrize(("gamma", "order"), [(0.5, 2), (0.6, 1), (0.4, 1)])
+def test_rates_are_not_those_of_a_step_so_tiny_that_differences_cancel(gamma, order):
+    """Of steps of 2^-60 the difference is 0, and slopes become (2 gamma - 1) q."""
+    found = linear_fit(opened(newmark_in_displacements(gamma)))
+    assert (found.position, found.stiffness, found.facts.linear_order) == (1, 1, order)
+    assert ("implicit_midpoint" in (found.best.methods if found.best else ())) is (order == 2)
+
+
+@pytest.mark.parametrize("rate", [1, Q(3, 2)])
+def test_rates_of_a_quotient_that_rounds_are_those_of_the_system(rate):
+    """The exponential Euler method, with (exp(h) - 1)/h: at h = 2^-26 it is off by 2^-27."""
+
+    def step(f, t, y, h):
+        return np.exp(-h) * y + (1 - np.exp(-h)) * (float(rate) * f(t, y) + y)
+
+    found = linear_fit(opened(step))
+    assert (found.position == found.stiffness == 1) is (rate == 1)
+
+
 def candidate(*methods, restriction="", off=0.5):
     return LinearCandidate(methods, False, Q(1), Q(1), True, Error(off, off), restriction)
 

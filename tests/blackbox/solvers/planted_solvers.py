@@ -47,6 +47,9 @@ def adaptive(
     first_error=1.0,
     longest=float("inf"),
     per_unit=False,
+    plain_after_rejection=None,
+    chooses_first_step=False,
+    raises=False,
     state=lambda stage, y, moved: moved,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
@@ -57,6 +60,8 @@ def adaptive(
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
     `shortest`, the length of a step that is taken whatever its error; `state` is where a stage is evaluated.
     `first_error` is the one that the first step remembers. With `per_unit` the estimate is divided by h.
+    `plain_after_rejection` is the exponent, without memory, after a rejected step; `chooses_first_step` asks for one
+    slope first, a little later than the start; `raises` where the step size is too small.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -72,6 +77,8 @@ def adaptive(
             [float(t)], [y], sign * first_step, (first_error, sign * first_step), 0, "",
         )  # fmt: skip
         first = f(float(t), y)
+        if chooses_first_step:
+            f(float(t) + sign * first_step / 100, y + sign * first_step / 100 * first)
         while sign * (end - t) > 0:
             if sign * (t + h - end) > 0 and ending != "beyond":
                 h = float(end - t)
@@ -94,6 +101,8 @@ def adaptive(
             else:
                 remembered = before[0] ** memory * (h / before[1]) ** filtered
                 factor = min(most, max(least, safety * r**-exponent * remembered))
+            if r > accepted and plain_after_rejection:
+                factor = max(least, safety * r**-plain_after_rejection)
             factor = changed(factor, rejections + (r > accepted))
             if r <= accepted or abs(h) <= shortest:
                 t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
@@ -106,6 +115,8 @@ def adaptive(
                 rejections, first = rejections + 1, k[-1] if stale else first
                 if abs(h) < 1e-13 and on_nan != "retry":
                     failure = "the step size is too small"
+                    if raises:
+                        raise ArithmeticError(failure)
                     break
             h = sign * min(max(abs(h * factor), shortest), longest)
             if ending != "beyond" and sign * (t + h - end) > 0 and abs(float(end - t)) > 0:
@@ -146,3 +157,40 @@ def run(make, f, t_span, y0, steps):
     for t in times[:-1]:
         states.append(step(f, t, states[-1], h))
     return times, states
+
+
+def in_steps_of_h(ending):
+    """The midpoint rule in steps of h; `ending` is what it does where h does not divide the span."""
+    memory = []
+
+    def grid(start, end, h):
+        steps = (end - start) / h
+        if ending == "refused" and abs(steps - round(steps)) > 1e-9:
+            raise ValueError("h does not divide the span")
+        counts = {"divided anew": np.ceil(steps), "stretched": round(steps), "truncated": int(steps), "deaf": 100}
+        if (count := counts.get(ending)) is not None:
+            h = h if ending in ("stretched", "truncated") else (end - start) / count
+            return [(start + n * h, h) for n in range(int(count))]
+        whole = int(steps * (1 + 1e-12))
+        begun = [(start + n * h, h) for n in range(whole)]
+        left = end - (start + whole * h)
+        if left < 1e-9:
+            return begun
+        return [*begun, (start + whole * h, left if ending in ("cut", "cut late", "cut, with memory") else h)]
+
+    def solve(f, t_span, y0, h):
+        times, states = [t_span[0]], [np.array(y0, dtype=float)]
+        memory.clear()
+        for t, step in grid(*t_span, h):
+            first, inner = f(t, states[-1]), h if ending == "cut late" else step
+            slope = f(t + inner / 2, states[-1] + inner / 2 * first)
+            if ending == "cut, with memory" and memory:
+                slope = 1.5 * first - 0.5 * memory[-1]
+            memory.append(first)
+            times.append(t + step)
+            states.append(states[-1] + step * slope)
+        if ending in ("stretched", "relabelled"):
+            times = [*np.linspace(*t_span, len(times))] if ending == "stretched" else [*times[:-1], t_span[1]]
+        return times, states
+
+    return solve

@@ -31,6 +31,8 @@ LAWS = {
     "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "per unit of time": ({"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
         (0.84, Fraction(1, 4), 0, 0.1, 4.0)),
+    "of two stages and a first step of its own": (
+        {"key": "heun_euler21", "exponent": 0.5, "chooses_first_step": True}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "of step doubling": ({"key": "rk4_doubling54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
 }  # fmt: skip
@@ -103,6 +105,33 @@ RULES = {
     "at the second": (lambda factor, rejections: factor / 2 if rejections == 2 else factor, "after 2 or more"),
     "at every rejection": (lambda factor, rejections: 0.5 if rejections else factor, "after 1 or more"),
 }
+
+
+def test_the_law_of_steps_after_a_rejection_is_read_as_well():
+    """As in Hairer and Wanner's programs: PI control, but for rejected steps."""
+    law = read(adaptive(safety=0.9, exponent=7 / 30, memory=2 / 15, plain_after_rejection=1 / 3)).law
+    assert (law.exponent, law.memory, law.exception) == (
+        Fraction(7, 30), Fraction(2, 15), "; after a rejection 0.9 r^(-1/3)",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("share", "faults"), [(1.0, 0), (0.01, 1)])
+def test_a_first_step_size_that_is_chosen_hides_no_estimate_of_two_stages(share, faults):
+    """As of a pair of two stages in SciPy: the slope for the first step size is asked where the second stage may be."""
+    scaled = lambda weights: [share * x for x in weights]
+    found = read(adaptive("heun_euler21", exponent=0.5, chooses_first_step=True, estimate=scaled))
+    assert found.law.exponent == Fraction(1, 2)
+    assert ["steps are accepted with" in fault for fault in found.faults] == [True] * faults
+
+
+@pytest.mark.parametrize("exponent", [1 / 4, 1 / 5])
+def test_a_solver_that_a_jump_stops_is_read_without_jumps(exponent):
+    """Per unit of time an estimate stays large at a jump: the textbook's step size becomes too small, and it raises."""
+    found = read(adaptive("fehlberg45", exponent=exponent, safety=0.84, per_unit=True, raises=True))
+    assert found.law.estimate == "fehlberg45 per unit of time"
+    assert [fault.partition(",")[0] for fault in found.faults] == ["the exponent of the step size control is 1/5"] * (
+        exponent == 1 / 5
+    )
 
 
 @pytest.mark.slow(keep=1)

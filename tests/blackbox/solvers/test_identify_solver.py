@@ -45,6 +45,36 @@ def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
 
+@pytest.mark.parametrize("apart", [1e-8, 0.0])
+def test_what_is_not_read_as_a_solver_is_to_be_given_as_a_step(apart):
+    """Differences for a Jacobian, as a Rosenbrock method forms them in every step."""
+    asking = lambda f: lambda t, y: np.array(f(t, y)) + 0 * np.array(f(t, np.array(y) + apart))
+    solve = lambda f, t_span, y0, rtol, atol: adaptive()(asking(f), t_span, y0, rtol, atol)
+    advice = identify_solver(solve, isolate=False).section("What to do")
+    assert (advice is not None and "as step(f, t, y, h), or" in advice.lines[0]) is (apart > 0)
+
+
+@pytest.mark.parametrize("times", ["one less", "all"])
+def test_the_order_of_steps_that_are_shorter_than_their_times_is_the_one_observed(times):
+    """Steps of 1/n of the span, at n times: h is off by a share of its own for each n."""
+
+    def solve(f, t_span, y0, n):
+        h, states = (t_span[1] - t_span[0]) / n, [np.array(y0)]
+        grid = np.linspace(*t_span, n + (times == "all"))
+        for t in grid[:-1]:
+            states.append(states[-1] + h * f(t + h / 2, states[-1] + h / 2 * f(t, states[-1])))
+        return grid, states
+
+    report = identify_solver(solve, isolate=False)
+    if times == "all":
+        assert (report.data["steps"]["order"], report.data["faults"]) == (2, [])
+        return
+    assert report.data["steps"]["order"] == 1
+    said = "it advances midpoint2, with the step 15/16 h in place of h in one run; order 1 is observed; "
+    assert report.verdict.startswith(said)
+    assert "the time that it integrates over and the time that it returns differ" in report.data["faults"][-1]
+
+
 def test_numbers_that_differ_are_shown_to_differ():
     """Slopes in binary32 inside: the step ends 1e-10 beside the one that the stages read make."""
     narrow = lambda f: lambda t, y: np.float32(f(t, y)).astype(float)

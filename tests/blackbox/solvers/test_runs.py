@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import NoAnswer
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
+from driftproof.blackbox.solvers.foreign_solver import LENGTH, ForeignSolver
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
-from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed, of_scipy
+from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed, in_steps_of_h, of_scipy
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -99,6 +99,37 @@ def test_a_largest_step_size_hides_a_tolerance_that_is_not_ignored():
     assert found.faults == ()
     ignored = read(adaptive(longest=0.002, first_step=0.002, tolerances=lambda rtol, atol: (1e-6, 1e-9)))
     assert "rtol is ignored: the steps are the same at every tolerance" in ignored.faults
+
+
+ENDINGS = {  # what is said of 5.4 steps of h, and the fault
+    "cut": ("5 steps of h, then one of 0.4 h", ""), "divided anew": ("6 equal steps of 0.9 h", ""),
+    "refused": ("", ""),
+    "relabelled": ("5 steps of h, then one of 0.4 h", "the time that it integrates over and the time that it returns"),
+    "stretched": ("5 equal steps of 1.08 h", "the time that it integrates over and the time that it returns"),
+    "beyond": ("6 steps of h", "one step too many, or a last one that is not shortened: it ends 0.188889 beyond"),
+    "truncated": ("5 steps of h", "one step too few: it ends 0.125926 before the end"),
+    "deaf": ("100 equal steps of 0.054 h", "it makes 100 equal steps"),
+    "cut late": ("5 steps of h, then one of 0.4 h", "the last step is not of its method"),
+    "cut, with memory": ("5 steps of h, then one of 0.4 h", "the last step is not of its method"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_step_size_that_does_not_divide_the_span_shows_what_becomes_of_the_last_step(ending):
+    seen, fault = ENDINGS[ending]
+    found = read_runs(ForeignSolver(in_steps_of_h(ending), takes=LENGTH, names=("h",)))
+    words = "with h = 0.314815 from 0.1 to 1.8"
+    assert found.seen["Clock"][1].startswith(
+        f"{words} it makes {seen}" if seen else f"{words} it gives no answer: raises"
+    )
+    assert [each.startswith(f"{words}, {fault}") for each in found.faults] == [True] * bool(fault)
+
+
+def test_a_step_size_of_which_three_round_below_the_span_loses_none():
+    """0.3 / 0.1 is less than 3."""
+    solve = lambda f, t_span, y0, h: in_steps_of_h("truncated" if t_span[0] == 0 else "cut")(f, t_span, y0, h)
+    (fault,) = read_runs(ForeignSolver(solve, takes=LENGTH, names=("h",))).faults
+    assert fault == "with h = 0.1 from 0 to 0.3, one step too few: it ends 0.1 before the end"
 
 
 def raises_at_nan(f, t_span, y0, rtol, atol):
@@ -254,7 +285,7 @@ SAID = [
     (CLOCK, asking_beyond(2e-15), "f is called up to 2e-15 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
     (CLOCK, lambda f, rtol, t, y: ([*t, 1.817, 1.834], [*y, y[-1], y[-1]]), "the last step ends 0.034 from the end"),
-    (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "it makes no step"),
+    (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "where y' = 1 it makes no step"),
     (CLOCK, lambda f, rtol, t, y: (t[::99], y[::99]), "the last step ends -0.017 from the end"),
     (CLOCK, hanging, "not seen: no time"),
     (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
@@ -294,6 +325,23 @@ def test_a_step_that_is_never_shorter_is_told_where_it_costs_more_than_the_toler
     (fault,) = read(adaptive(shortest=2e-5)).faults
     assert fault.startswith("across a jump of f the shortest step that it takes, of 2e-05, is off by 2.")
     assert not read(adaptive(shortest=1e-9)).faults
+
+
+@pytest.mark.parametrize("jumps", [False, True])
+def test_a_run_that_ends_early_has_no_error_and_one_that_raises_at_a_jump_says_so(jumps):
+    """Where it is not told that it ends early, the start has the error 0."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        found = adaptive()(f, t_span, y0, rtol, atol)
+        if jumps and len(y0) == 1 and f(0.1, y0)[0] == 0 and f(1.8, y0)[0] == 1:
+            raise ArithmeticError("the step size is too small")
+        stops = not jumps and t_span == (0.0, 6.0) and rtol == 1e-5
+        return (found.t[:2], found.y[:2]) if stops else found
+
+    found = read(solve)
+    assert ("at a jump of f it reports that: raises" in found.seen["A jump"]) is jumps
+    told = ["on q'' = -q it ends at t = 0.001 of (0.0, 6.0), without saying so"]
+    assert [*found.faults] == told * (not jumps)
 
 
 def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():

@@ -8,6 +8,7 @@ from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.verify import verify
 from tests.blackbox.stepper.styles import keys_of, namespace
 
 
@@ -104,6 +105,9 @@ def in_n_steps(f, x0, y0, xn, n):
 def coupled(f, g, t, x, v, h):
     return x + h * f(t, x, v), v + h * g(t, x, v)
 
+def coupled_xy(f, g, t, x, y, h):
+    return x + h * f(t, x, y), y + h * g(t, x, y)
+
 def pendulum(theta0, omega0, dt, N):
     theta, omega = np.full(N + 1, theta0), np.full(N + 1, omega0)
     for i in range(N):
@@ -174,6 +178,8 @@ def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
 """
 RUN = "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append({}) for i in range(n)]; return ys[1:], "
 RUN += "[v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"
+COUPLED = "import numpy; return numpy.array({0}(lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[0], "
+COUPLED += "lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[1], {3}))"
 FORCED, EULER, FORWARD = "force, q, v, h", "symplectic_euler", "forward_euler"
 PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
@@ -186,7 +192,8 @@ PASTED = {
     "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
     "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", FORWARD),
-    "coupled": (FORCED, "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)", FORWARD),
+    "coupled": ("f, t, y, h", COUPLED.format("coupled", 1, 2, "t, y[0], y[1], h"), FORWARD),
+    "coupled_xy": ("f, t, y, h", COUPLED.format("coupled_xy", 1, 2, "t, y[0], y[1], h"), FORWARD),
     "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
@@ -219,6 +226,19 @@ def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_wor
     subject = opened(names["wrapped"])
     by_runs = key in ("stormer2", "adams_bashforth2", "adams_bashforth3")
     assert key == read_family(subject).key if by_runs else key in keys_of(names["wrapped"])
+
+
+def test_what_a_coupled_step_forgets_shows_in_the_wrapper_that_it_is_shown():
+    """At the second stage x is left at its start in f, and v in g: a method on q'' = F(q) alone."""
+    names = namespace("""
+def midpoint(f, g, t, x, v, h):
+    k, m = f(t, x, v), g(t, x, v)
+    return x + h * f(t + h / 2, x, v + h / 2 * m), v + h * g(t + h / 2, x + h / 2 * k, v)
+""")
+    exec(wrapper_line(names["midpoint"]).removeprefix(": "), names)
+    assert not verify(names["wrapped"], "midpoint2").passed
+    plain = wrapper_line(lambda f, g, x, v, h: (x + h * f(v), v + h * g(x)))
+    assert "numpy" not in plain, "f and g do not take both"
 
 
 def test_a_run_is_read_where_it_begins_and_nothing_is_said_of_one_that_does_not():
