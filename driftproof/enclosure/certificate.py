@@ -59,7 +59,8 @@ class Certificate(Printable):
 
     `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
     these. `steps` and `bits` are those of the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not
-    1/10. `split` and `drifts` are present if they were asked for.
+    1/10. `split` and `drifts` are present if they were asked for. `unknowns` are the names that f gives the components,
+    `said` how the columns of the file were read, where their names leave a question.
     """
 
     t: tuple[float, ...]
@@ -71,6 +72,8 @@ class Certificate(Printable):
     doubles: tuple[float, ...]
     split: Split | None = None
     drifts: Mapping[str, Drift] = field(default_factory=dict)
+    unknowns: tuple[str, ...] = ()
+    said: str = ""
 
     @property
     def digits(self) -> int:
@@ -90,7 +93,8 @@ class Certificate(Printable):
     def place(self, worst: tuple[int, int] | None = None) -> str:
         """The place of the largest error, or of `worst`, as text."""
         i, j = worst or self.worst
-        return f"component {j} at t = {self.t[i]:.17g}, point {i} of 0 to {len(self.t) - 1}"
+        named = self.unknowns[j] if self.unknowns else j
+        return f"component {named} at t = {self.t[i]:.17g}, point {i} of 0 to {len(self.t) - 1}"
 
     def text(self) -> str:
         """The certificate as text, each number rounded to the digits that are proved."""
@@ -106,6 +110,7 @@ class Certificate(Printable):
             shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
             said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")
             lines.append(f"constants in f, each exactly this double: {said}")
+        lines += [self.said] if self.said else []
         return "\n".join(lines)
 
     def _split_lines(self, split: Split) -> list[str]:
