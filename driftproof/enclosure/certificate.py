@@ -31,6 +31,7 @@ class Split:
 
     `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] is the
     solution. If the run's times are rounded, that shift counts as rounding. The run took `steps` steps in `bits` bits.
+    `solved` is true of an implicit method: what the run's own solver left unsolved of its stages counts as rounding.
     """
 
     method: str
@@ -39,6 +40,7 @@ class Split:
     rounding: BallRows
     steps: int
     bits: int
+    solved: bool = False
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,8 @@ class Certificate(Printable):
         lines = [f"  there {decimal(self.errors[i][j])} = {parts} ({split.method}, steps: {split.steps})"]
         for name, rows in (("truncation", split.truncation), ("rounding", split.rounding)):
             lines.append(f"largest {name} {decimal(largest_of(rows, split.bits))}: {self.place(largest_place(rows))}")
+        if split.solved:
+            lines.append("rounding includes what the run's own solver, such as Newton's method, left unsolved")
         return lines
 
     def _drift_lines(self, name: str, drift: Drift) -> list[str]:

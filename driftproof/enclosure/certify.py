@@ -152,7 +152,8 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
                 for each in zip(run.states, rows, shifted, strict=True)
             )
         if _is_small(rounding, rows):
-            return Split(plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits)
+            run_of = plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits
+            return Split(*run_of, solved=not plan.method.explicit)
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
 
@@ -216,7 +217,13 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
         t, balls = times[i], [arb(x) for x in states[i]]
         if len(given) != len(balls):
             raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
-        rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
+        try:
+            rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
+        except Refused as refusal:
+            if "compares" not in str(refusal):
+                raise
+            more = "; if f changes its form there, as friction at rest does, cut there and take the pieces one by one"
+            raise Refused(f"{refusal} at t = {t}{more}", refusal.t) from None
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
         if not allowed.is_finite():
