@@ -185,7 +185,7 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
     with context.refused(named):
         if query.problem:
-            problem = problems.problem_of_name(named.text)
+            problem = problems.problem_of_name(named.text, {name: x.value for name, x in query.parameters.items()})
         else:
             names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
             texts = [rate.text for rate in query.rates]
