@@ -13,7 +13,7 @@ _COUNTING = ("", "index", "unnamed: 0")
 _BLANKS = re.compile(r"\s+")
 
 
-class Columns(NamedTuple):
+class ReadColumns(NamedTuple):
     """The places of the time and of the components, in the order of f's unknowns, and what a user should know of it."""
 
     time: int
@@ -21,26 +21,26 @@ class Columns(NamedTuple):
     said: str = ""
 
 
-def names_of(line: str) -> list[str]:
+def column_names(line: str) -> list[str]:
     """The names in a line, without quotes and units; y[0] and y(0) as y0."""
     words = re.split(r"[,;\t]", line) if re.search(r"[,;\t]", line) else _BLANKS.split(line.strip())
     plain = [re.sub(r"[\[(](\d+)[\])]", r"\1", word.strip().strip("\"'").strip()) for word in words]
     return [re.sub(r"(?<=\w)\s*[\[(].*", "", word) for word in plain]
 
 
-def unnamed_columns(count: int, unknowns: Sequence[str]) -> Columns:
+def unnamed_columns(count: int, unknowns: Sequence[str]) -> ReadColumns:
     """The columns of a file without names: the time comes first."""
     components = ", ".join(unknowns or [f"y{i}" for i in range(count - 1)])
-    return Columns(0, tuple(range(1, count)), f"the file names no columns: read as t, {components}")
+    return ReadColumns(0, tuple(range(1, count)), f"the file names no columns: read as t, {components}")
 
 
-def named_columns(names: Sequence[str], unknowns: Sequence[str], counts: bool) -> Columns:
+def named_columns(names: Sequence[str], unknowns: Sequence[str], counts: bool) -> ReadColumns:
     """The columns with these names, for an f with `unknowns` or, without them, any f. Raises ValueError.
 
     `counts` is true if the first column holds 0, 1, 2, ..., as the index of a data frame does.
 
     >>> named_columns(["t", "v", "x"], ["x", "v"], counts=False)
-    Columns(time=0, components=(2, 1), said='columns read by their names: t, x, v')
+    ReadColumns(time=0, components=(2, 1), said='columns read by their names: t, x, v')
     """
     shown = ", ".join(name or '""' for name in names)
     if repeated := next((name for name in names if names.count(name) > 1), ""):
@@ -72,7 +72,7 @@ def named_columns(names: Sequence[str], unknowns: Sequence[str], counts: bool) -
         )
     moved = [times[0], *found] != list(range(len(names)))
     read = ", ".join(names[i] or "the index" for i in (times[0], *found))
-    return Columns(times[0], tuple(found), f"columns read by their names: {read}" if moved else "")
+    return ReadColumns(times[0], tuple(found), f"columns read by their names: {read}" if moved else "")
 
 
 def _places(time: re.Pattern[str], names: Sequence[str], unknowns: Sequence[str]) -> list[int]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.columns import Columns, named_columns, names_of, unnamed_columns
+from driftproof.enclosure.columns import ReadColumns, column_names, named_columns, unnamed_columns
 from driftproof.enclosure.numbers import Refused
 from driftproof.support.files import read_bytes, read_utf8
 
@@ -126,11 +126,11 @@ def read_trajectory(path: Path, unknowns: Sequence[str] = ()) -> Trajectory:
         raise ValueError(f"{path}: {reason}{first}") from None
 
 
-def _columns(path: Path, unknowns: Sequence[str]) -> tuple[Columns, list[list[float]]]:
+def _columns(path: Path, unknowns: Sequence[str]) -> tuple[ReadColumns, list[list[float]]]:
     """What the columns of a .csv file are, and its rows."""
     read = [(i, line) for i, line in enumerate(read_utf8(path, LARGEST_RUN).splitlines(), 1) if line.strip()]
     lines, rows = [(i, line) for i, line in read if not line.startswith("#")], list[list[float]]()
-    names = names_of(lines[0][1]) if lines else []
+    names = column_names(lines[0][1]) if lines else []
     headed = not any(_is_number(name) and (not at or not _WHOLE.fullmatch(name)) for at, name in enumerate(names))
     for number, line in lines[headed:]:
         if _DECIMAL_COMMA.match(line):
@@ -145,7 +145,9 @@ def _columns(path: Path, unknowns: Sequence[str]) -> tuple[Columns, list[list[fl
         rows.append(row)
     if not rows:
         raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
-    remarks = [names_of(line.lstrip("# ")) for i, line in read if i < lines[0][0]][-1:]  # as numpy.savetxt writes names
+    remarks = [column_names(line.lstrip("# ")) for i, line in read if i < lines[0][0]][
+        -1:
+    ]  # as numpy.savetxt writes names
     if not headed and remarks and len(remarks[0]) == len(rows[0]) and {"t", "time"} & {*remarks[0]}:
         headed, names = True, remarks[0]
     if not headed:

@@ -7,7 +7,7 @@
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out; it is then the row sums of A
 
     [roots]                                   # those of several fields are joined in one field, of degree 12 at most
-    s3 = "sqrt(3)"                            # or "cbrt(2)", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
+    s3 = "sqrt(3)"                            # or "1 - cbrt(2)/2", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
 
 A number is an integer, a decimal, which is exact, or an expression in a string. All families have the keys `key`,
 `title`, `source`, `claimed_order` (0: nothing is claimed) and `decimal`. A pair has `b_embedded` with `embedded_order`;

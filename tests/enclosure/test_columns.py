@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from driftproof import certify
-from driftproof.enclosure.columns import named_columns, names_of
+from driftproof.enclosure.columns import column_names, named_columns
 
 X_V, SECOND = ("x", "v"), ("x", "y", "dx", "dy")
 READ = {
@@ -25,13 +25,13 @@ REFUSED = {
 
 @pytest.mark.parametrize(("line", "unknowns"), READ)
 def test_names_tell_the_columns(line, unknowns):
-    assert named_columns(names_of(line), unknowns, counts=False)[:2] == READ[line, unknowns]
+    assert named_columns(column_names(line), unknowns, counts=False)[:2] == READ[line, unknowns]
 
 
 @pytest.mark.parametrize(("line", "unknowns"), REFUSED)
 def test_names_that_do_not_fit_are_refused(line, unknowns):
     with pytest.raises(ValueError, match=REFUSED[line, unknowns]):
-        named_columns(names_of(line), unknowns, counts=False)
+        named_columns(column_names(line), unknowns, counts=False)
 
 
 def test_index_that_counts_the_rows_is_no_time():
