@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from argparse import Namespace
 from fractions import Fraction
 from pathlib import Path
@@ -22,7 +23,9 @@ def _step(text: str) -> Fraction:
 @cli.command(
     cli.option("function", "f of y' = f(t, y): module:f, its text, or a .toml file", metavar="F"),
     cli.option("run", "the trajectory: a .csv, .txt, .dat, .npz or .npy file", type=Path),
-    cli.option("--method", "also split the error, for this method: a key, .toml file, or SciPy's RK23, RK45, DOP853"),
+    cli.option(
+        "--method", "also split the error, for this method: a key, .toml file, or SciPy's RK23, RK45, DOP853, Radau"
+    ),
     cli.option("--h", "the step size, if the file has only some points of the run", type=_step),
     cli.option(
         "--invariant", "a first integral: NAME=TEXT, or a known NAME", action="append", default=[], metavar="NAME"
@@ -48,8 +51,9 @@ def certify_command(options: Namespace) -> str:
     f runs in this process with your rights, as in your own tests; Ctrl-C stops it.
 
     what the file holds:
-      .csv   (.txt, .dat) a line for each time: t and the components, separated by commas, semicolons or blanks. A first
-             line of names and lines that begin with # are skipped. Write decimals of 17 digits (Fortran's 1.5D0 is
+      .csv   (.txt, .dat) a line for each time: t and the components, separated by commas, semicolons or blanks. Names
+             in the first line tell which column is t, and which is which unknown of f if f has names; without them the
+             first column is t. Lines that begin with # are skipped. Write decimals of 17 digits (Fortran's 1.5D0 is
              understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, which keep every bit.
       .npz   the arrays t and y (or ts and ys), a row or a column for each time
       .npy   one array, with a row for each time: t and the components
@@ -68,6 +72,8 @@ def certify_command(options: Namespace) -> str:
     from driftproof.reports.certificate_figure import draw_certificate
 
     given = options.function
+    if re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)+", given) and not given.endswith(".toml"):
+        raise ValueError(f"{given} is no right-hand side; for a function write {':'.join(given.rsplit('.', 1))}")
     f = given if given.endswith(".toml") else imported(given, "function") if ":" in given else field_of_text(given)
     about = {"method": options.method, "h": options.h, "invariants": _invariants(options.invariant)}
     found = certify(f, options.run, **about)

@@ -83,7 +83,8 @@ def facts_command(options: Namespace) -> str:
         cli.refuse(options, ("picture",), "without --plot")
     else:
         if not isinstance(sheet, MethodFacts):
-            raise ValueError("--plot takes one method that steps one state by f; `driftproof facts` works without it")
+            member = "of a family, --at chooses it; else `driftproof facts` works without --plot"
+            raise ValueError(f"--plot takes one method that steps one state by f: {member}")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)

@@ -31,6 +31,7 @@ class Split:
 
     `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] is the
     solution. If the run's times are rounded, that shift counts as rounding. The run took `steps` steps in `bits` bits.
+    `solved` is true of an implicit method: what the run's own solver left unsolved of its stages counts as rounding.
     """
 
     method: str
@@ -39,6 +40,7 @@ class Split:
     rounding: BallRows
     steps: int
     bits: int
+    solved: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ class Certificate(Printable):
 
     `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
     these. `steps` and `bits` are those of the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not
-    1/10. `split` and `drifts` are present if they were asked for.
+    1/10. `split` and `drifts` are present if they were asked for. `unknowns` are the names that f gives the components,
+    `said` how the columns of the file were read, where their names leave a question.
     """
 
     t: tuple[float, ...]
@@ -71,6 +74,8 @@ class Certificate(Printable):
     doubles: tuple[float, ...]
     split: Split | None = None
     drifts: Mapping[str, Drift] = field(default_factory=dict)
+    unknowns: tuple[str, ...] = ()
+    said: str = ""
 
     @property
     def digits(self) -> int:
@@ -90,7 +95,8 @@ class Certificate(Printable):
     def place(self, worst: tuple[int, int] | None = None) -> str:
         """The place of the largest error, or of `worst`, as text."""
         i, j = worst or self.worst
-        return f"component {j} at t = {self.t[i]:.17g}, point {i} of 0 to {len(self.t) - 1}"
+        named = self.unknowns[j] if self.unknowns else j
+        return f"component {named} at t = {self.t[i]:.17g}, point {i} of 0 to {len(self.t) - 1}"
 
     def text(self) -> str:
         """The certificate as text, each number rounded to the digits that are proved."""
@@ -106,6 +112,7 @@ class Certificate(Printable):
             shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
             said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")
             lines.append(f"constants in f, each exactly this double: {said}")
+        lines += [self.said] if self.said else []
         return "\n".join(lines)
 
     def _split_lines(self, split: Split) -> list[str]:
@@ -114,6 +121,8 @@ class Certificate(Printable):
         lines = [f"  there {decimal(self.errors[i][j])} = {parts} ({split.method}, steps: {split.steps})"]
         for name, rows in (("truncation", split.truncation), ("rounding", split.rounding)):
             lines.append(f"largest {name} {decimal(largest_of(rows, split.bits))}: {self.place(largest_place(rows))}")
+        if split.solved:
+            lines.append("rounding includes what the run's own solver, such as Newton's method, left unsolved")
         return lines
 
     def _drift_lines(self, name: str, drift: Drift) -> list[str]:

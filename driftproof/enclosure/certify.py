@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from numbers import Real
 from pathlib import Path
@@ -18,11 +19,12 @@ from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariant
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import linearised, size
-from driftproof.enclosure.text_fields import GivenField, right_hand_side
+from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
 from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
+from driftproof.methods.vector_fields import VectorField
 from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
@@ -74,8 +76,10 @@ def certify(
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
-    run = read_trajectory(Path(t)) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
-    return certificate_of(field_of_file(f) if str(f).endswith(".toml") else f, run, method, h, invariants)
+    given = field_of_file(f) if str(f).endswith(".toml") else given_field(f)
+    unknowns = getattr(given, "unknowns", ())
+    run = read_trajectory(Path(t), unknowns) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
+    return certificate_of(given, run, method, h, invariants)
 
 
 @working("certify")
@@ -89,6 +93,8 @@ def certificate_of(
     """The certificate that `certify` returns, for a trajectory that is already read."""
     if h is not None and method is None:
         raise ValueError("h has no effect without method")
+    given = given_field(given)
+    unknowns = given.unknowns if isinstance(given, VectorField) else ()
     f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
@@ -104,7 +110,8 @@ def certificate_of(
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
-    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    return replace(found, unknowns=unknowns, said=run.said)
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:
@@ -145,7 +152,8 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
                 for each in zip(run.states, rows, shifted, strict=True)
             )
         if _is_small(rounding, rows):
-            return Split(plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits)
+            run_of = plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits
+            return Split(*run_of, solved=not plan.method.explicit)
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
 
@@ -209,7 +217,13 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
         t, balls = times[i], [arb(x) for x in states[i]]
         if len(given) != len(balls):
             raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
-        rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
+        try:
+            rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
+        except Refused as refusal:
+            if "compares" not in str(refusal):
+                raise
+            more = "; if f changes its form there, as friction at rest does, cut there and take the pieces one by one"
+            raise Refused(f"{refusal} at t = {t}{more}", refusal.t) from None
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
         if not allowed.is_finite():

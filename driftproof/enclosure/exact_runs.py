@@ -172,10 +172,12 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
         allowed = n * growth * per_step * scale
         off = size(arb(x) - z for x, z in zip(run.states[i + 1], made, strict=True))
         if not off <= allowed:
+            last = i + 2 == len(run.times) and i > 0
+            ending = "; all before are: if an event ended the run, leave out the last point" if last else ""
             raise Refused(
                 f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
                 f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
-                "parameter, digits cut in a file, steps left out (give h), or SciPy's t_eval"
+                f"parameter, digits cut in a file, steps left out (give h), or SciPy's t_eval{ending}"
             )
 
 

@@ -70,7 +70,7 @@ def known_invariant(name: str) -> str:
 
 
 def invariants_of(given: GivenInvariants, f: GivenField, components: int) -> dict[str, Callable[[Any], Any]]:
-    """The first integrals as functions of y, by name; texts may use the parameters of a field f. Raises ValueError."""
+    """The first integrals as functions of y, by name; texts may use the names in a field f. Raises ValueError."""
     if not isinstance(given, Mapping):
         given = {name: known_invariant(name) for name in ([given] if isinstance(given, str) else given)}
     field = f if isinstance(f, VectorField) else VectorField(("0",) * components)
@@ -80,10 +80,12 @@ def invariants_of(given: GivenInvariants, f: GivenField, components: int) -> dic
 def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[Any], Any]:
     if callable(invariant):
         return enclosable(invariant)  # type: ignore[arg-type, return-value]
+    own = dict(zip(field.unknowns, field.components, strict=False))
     try:
-        made = field_function(field, [rate_of_text(invariant)])
+        made = field_function(field, [rate_of_text(invariant, own | {each: each for each, _ in field.parameters})])
     except ValueError as error:
-        raise ValueError(f"first integral {name}: {str(error).removeprefix('rate 0, ')}") from None
+        said = field.in_own_words(str(error).removeprefix("rate 0, "))
+        raise ValueError(f"first integral {name}: {said}") from None
     return lambda y: made(y[0] * 0, y)[0]
 
 

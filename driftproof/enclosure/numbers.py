@@ -43,6 +43,12 @@ class Refused(ArithmeticError):
         Refused.made += 1
 
 
+def not_smooth(t: Fraction | float) -> Refused:
+    """The refusal of steps that end at a pole or a jump near t, with the way on."""
+    said = f"f or the solution has a pole, or f is not smooth, near t = {float(t):.9g}"
+    return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
+
+
 class Stiff(Refused):
     """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
 

@@ -17,7 +17,7 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.fields import RightHandSide, enclosable
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff, not_smooth
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
     EnclosedStep,
@@ -135,7 +135,10 @@ class _Path:
             self._carry(self.step)
         self.steps += 1
         error = (self.basis * self.box).entries()
-        decided = decisions(self.f, self.t, self.point, self.doubles)
+        try:
+            decided = decisions(self.f, self.t, self.point, self.doubles)
+        except Refused as refusal:
+            raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
         if self.step is not None:
             longest, weights = LONGER * self.step.h, self.step.next_weights
         else:
@@ -149,8 +152,7 @@ class _Path:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone:
-            near = float(self.t + 8 * step.h)
-            raise Refused(f"f or the solution has a pole, or f is not smooth, near t = {near:.9g}")
+            raise not_smooth(self.t + 8 * step.h)
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):

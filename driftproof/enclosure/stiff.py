@@ -22,7 +22,7 @@ from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_mo
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, not_smooth
 from driftproof.enclosure.steps import fewer_steps, linearised
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -114,7 +114,7 @@ class StiffPath:
             if added <= self.tolerance and self.step is not None:
                 self.t = self.step.t + self.step.h
                 if h < SHORTEST_STIFF_PART * (self.t - self.first) and self.t < self.last:
-                    raise Refused(f"f or the solution has a pole, or f is not smooth, near t = {float(self.t):.9g}")
+                    raise not_smooth(self.t)
                 return self.step
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 

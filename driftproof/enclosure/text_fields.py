@@ -27,17 +27,24 @@ def right_hand_side(f: GivenField, components: int) -> RightHandSide:
     >>> right_hand_side("y1; -y0", 2)(0.0, [1.0, 0.5])
     [0.5, -1.0]
     """
-    if callable(f):
-        return time_first(f)
+    field = given_field(f)
+    if not isinstance(field, VectorField):
+        return time_first(field)
+    if len(field.rates) != components:
+        raise ValueError(f"f has {len(field.rates)} components, but the trajectory has {components}")
+    return field_function(field)
+
+
+def given_field(f: GivenField) -> RightHandSide | VectorField:
+    """A function as it is, and the field of a text. Raises ValueError."""
+    if callable(f) or isinstance(f, VectorField):
+        return f
     try:
-        field = f if isinstance(f, VectorField) else field_of_text(f)
+        return field_of_text(f)
     except ValueError as error:
         raise ValueError(f"f is not a right-hand side: {error}") from None
     except (TypeError, AttributeError):
         raise ValueError(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
-    if len(field.rates) != components:
-        raise ValueError(f"f has {len(field.rates)} components, but the trajectory has {components}")
-    return field_function(field)
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from io import BytesIO
 from itertools import pairwise
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.enclosure.columns import ReadColumns, column_names, named_columns, unnamed_columns
 from driftproof.enclosure.numbers import Refused
 from driftproof.support.files import read_bytes, read_utf8
 
@@ -19,18 +21,23 @@ from driftproof.support.files import read_bytes, read_utf8
 BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
 # chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
-_SEPARATOR = re.compile(r"[,;\s]+")
+# Numbers in a file, which names may not be: whole ones may, as those of the columns of a data frame.
+_SEPARATOR, _WHOLE = re.compile(r"[,;\s]+"), re.compile(r"\d+")
 # A comma between digits, in a line where other signs separate numbers.
 _DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Increasing times, and a row of floats at each; `unit` is 2⁻²⁴ if all numbers are binary32 numbers, else 2⁻⁵³."""
+    """Increasing times, and a row of floats at each; `unit` is 2⁻²⁴ if all numbers are binary32 numbers, else 2⁻⁵³.
+
+    `said` tells how the columns of a file were read, where that is not plain from their names.
+    """
 
     times: list[float]
     states: list[list[float]]
     unit: Fraction
+    said: str = ""
 
     @property
     def exact_times(self) -> list[Fraction]:
@@ -64,6 +71,11 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
     for i, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
             how = "; of a run backwards give lambda s, y: -f(-s, y) and -t" if (np.diff(times) < 0).all() else ""
+            how = (
+                "; after an event or a restart begins a new run: certify each piece by itself"
+                if before == after
+                else how
+            )
             raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}{how}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
@@ -89,34 +101,42 @@ def _floats(name: str, values: Any) -> Any:
     return found.astype(float)
 
 
-def read_trajectory(path: Path) -> Trajectory:
+def read_trajectory(path: Path, unknowns: Sequence[str] = ()) -> Trajectory:
     """The trajectory in a file of text or of arrays. Raises ValueError, in one line, if it cannot be read or is none.
 
-    .csv, .txt, .dat: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A
-    first line of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or
-    hexadecimal, such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
-    .npy: an array with a row for each time, t first.
+    .csv, .txt, .dat: a line for each time, with t and then the components, separated by commas, semicolons or blanks,
+    or in the order that a first line of names tells, those of `unknowns` if f has names. Other lines that begin with #
+    are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or hexadecimal, such as 0x1.8p+0, and then exact.
+    .npz: the arrays t and y, or ts and ys, with a row for each time. .npy: an array with a row for each time, t first.
     """
     if (suffix := path.suffix.lower()) not in (".csv", ".txt", ".dat", ".npz", ".npy"):
         raise ValueError(f"{path}: a trajectory must be a .csv, .txt, .dat, .npz or .npy file")
+    by_place = suffix != ".npz"
     try:
-        return trajectory_of(*(_arrays(path) if suffix in (".npz", ".npy") else _columns(path)))
+        if suffix in (".npz", ".npy"):
+            return trajectory_of(*_arrays(path))
+        columns, rows = _columns(path, unknowns)
+        by_place = columns.time == 0
+        found = trajectory_of(
+            [row[columns.time] for row in rows], [[row[i] for i in columns.components] for row in rows]
+        )
+        return replace(found, said=columns.said)
     except Refused as reason:
-        raise ValueError(f"{path}: {reason}") from None
+        first = "; the first column was read as the time" if by_place and str(reason).startswith("times must") else ""
+        raise ValueError(f"{path}: {reason}{first}") from None
 
 
-def _columns(path: Path) -> tuple[list[float], list[list[float]]]:
-    """The times and the rows in a .csv file."""
-    read = enumerate(read_utf8(path, LARGEST_RUN).splitlines(), 1)
-    lines, rows = [(i, line) for i, line in read if line.strip() and not line.startswith("#")], list[list[float]]()
-    for number, line in lines:
+def _columns(path: Path, unknowns: Sequence[str]) -> tuple[ReadColumns, list[list[float]]]:
+    """What the columns of a .csv file are, and its rows."""
+    read = [(i, line) for i, line in enumerate(read_utf8(path, LARGEST_RUN).splitlines(), 1) if line.strip()]
+    lines, rows = [(i, line) for i, line in read if not line.startswith("#")], list[list[float]]()
+    names = column_names(lines[0][1]) if lines else []
+    headed = not any(_is_number(name) and (not at or not _WHOLE.fullmatch(name)) for at, name in enumerate(names))
+    for number, line in lines[headed:]:
         if _DECIMAL_COMMA.match(line):
             raise ValueError(f"{path}:{number}: decimal commas; write 0.5, with a point")
-        words = [word for word in _SEPARATOR.split(line.strip()) if word]
-        if number == lines[0][0] and not any(map(_is_number, words)):  # names of the columns
-            continue
         try:
-            row = [float_of_text(word) for word in words]
+            row = [float_of_text(word) for word in _SEPARATOR.split(line.strip()) if word]
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
         if len(row) < 2 or (rows and len(row) != len(rows[0])):
@@ -125,7 +145,19 @@ def _columns(path: Path) -> tuple[list[float], list[list[float]]]:
         rows.append(row)
     if not rows:
         raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
-    return [row[0] for row in rows], [row[1:] for row in rows]
+    remarks = [column_names(line.lstrip("# ")) for i, line in read if i < lines[0][0]][
+        -1:
+    ]  # as numpy.savetxt writes names
+    if not headed and remarks and len(remarks[0]) == len(rows[0]) and {"t", "time"} & {*remarks[0]}:
+        headed, names = True, remarks[0]
+    if not headed:
+        return unnamed_columns(len(rows[0]), unknowns), rows
+    if len(names) != len(rows[0]):
+        raise ValueError(f"{path}: the first line has {len(names)} names, and a row {len(rows[0])} numbers")
+    try:
+        return named_columns(names, unknowns, [row[0] for row in rows] == [*range(len(rows))]), rows
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def float_of_text(word: str) -> float:

@@ -85,7 +85,7 @@ def field_of_text(
     written = tuple(rate_of_text(text, spelled) for text in (texts.values() if isinstance(texts, dict) else texts))
     if any("pi" in _WORD.findall(text) for text in written):
         known.setdefault("pi", PI)
-    return VectorField(written, tuple(known.items()))
+    return VectorField(written, tuple(known.items()), tuple(texts) if isinstance(texts, dict) else ())
 
 
 def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, Any]) -> dict[str, str]:
@@ -122,16 +122,16 @@ def field_of_table(table: TomlTable) -> VectorField:
     """
     parameters, names = _parameters(table)
     rates = _rates(table.get("rates"))
+    unknowns = tuple(rates) if isinstance(rates, dict) else ()
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
     except MethodError as error:
         if isinstance(rates, list):
             more = "for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
             raise MethodError(f"{error}; {more}") from None
-        raise MethodError(re.sub(r"\by(\d+)\b", lambda found: [*rates][int(found[1])], str(error))) from None
-    if "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters):
-        return VectorField(field.rates, (*field.parameters, ("pi", PI)))
-    return field
+        raise MethodError(VectorField(("0",), (), unknowns).in_own_words(str(error))) from None
+    pi = "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters)
+    return VectorField(field.rates, (*field.parameters, *[("pi", PI)] * pi), unknowns)
 
 
 def energy_of_table(table: TomlTable) -> str | None:

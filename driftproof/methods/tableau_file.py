@@ -7,7 +7,7 @@
     c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out; it is then the row sums of A
 
     [roots]                                   # those of several fields are joined in one field, of degree 12 at most
-    s3 = "sqrt(3)"                            # or "cbrt(2)", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
+    s3 = "sqrt(3)"                            # or "1 - cbrt(2)/2", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
 
 A number is an integer, a decimal, which is exact, or an expression in a string. All families have the keys `key`,
 `title`, `source`, `claimed_order` (0: nothing is claimed) and `decimal`. A pair has `b_embedded` with `embedded_order`;
@@ -21,7 +21,7 @@ a Runge-Kutta file is a family of methods, with entries that are rational functi
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from os.path import exists, isdir
 from pathlib import Path
@@ -164,18 +164,20 @@ def _roots(declared: object) -> dict[str, Exact]:
     for name, definition in declared.items():
         if not _NAME.fullmatch(name):
             raise MethodError(f"roots.{name}: a name is a letter and up to 30 letters, digits or underscores")
-        roots[name] = _root(name, definition)
+        roots[name] = _root(name, definition, roots)
     return roots
 
 
-def _root(name: str, definition: object) -> Algebraic:
-    """The root that "sqrt(3)", "cbrt(2)" or a table of minimal polynomial and interval defines."""
+def _root(name: str, definition: object, known: Mapping[str, Exact]) -> Exact:
+    """What "sqrt(3)", "1 - g/2" with a g that is known, or a table of minimal polynomial and interval defines."""
     try:
         if isinstance(definition, str) and (match := _RADICAL.fullmatch(definition)):
             return RADICALS[match[1]](int(match[2]))
         if isinstance(definition, dict) and set(definition) == {"minpoly", "interval"}:
             low, high = _numbers(definition["interval"], "interval", parse_number, 2)
             return NumberField(name, _integers(definition["minpoly"]), _rational(low), _rational(high)).generator
+        if isinstance(definition, str) and (known or re.search("sqrt|cbrt", definition)):
+            return parse_exact(definition, known, "its expression")
     except ValueError as error:
         raise MethodError(f"roots.{name}: {error}") from None
     raise MethodError(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Protocol
 
@@ -24,10 +25,12 @@ class VectorField:
     An expression contains t, y0, y1, ..., named parameters, whole numbers, + - * / and `FUNCTIONS`, as in van der Pol's
     VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)). Powers are written as products, because
     compilers and Python compute them differently. Parameters are exact. Raises MethodError for any other expression.
+    `unknowns` are the user's own names of y0, y1, ..., if there are any, for reports and messages.
     """
 
     rates: tuple[str, ...]
     parameters: tuple[tuple[str, Exact], ...] = ()
+    unknowns: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Raise MethodError for a system without rates, and for a rate that is no such expression."""
@@ -42,6 +45,10 @@ class VectorField:
     def components(self) -> tuple[str, ...]:
         """The names of the components: y0, y1, ..."""
         return tuple(f"y{i}" for i in range(len(self.rates)))
+
+    def in_own_words(self, text: str) -> str:
+        """The text with the user's names of the unknowns in place of y0, y1, ..."""
+        return re.sub(r"\by(\d+)\b", lambda found: dict(enumerate(self.unknowns)).get(int(found[1]), found[0]), text)
 
     @property
     def autonomous(self) -> bool:
@@ -65,13 +72,12 @@ class VectorField:
             raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}: positions come first")
+                said = f"rate {i} is {rate!r}; a second-order system needs {v!r}: positions come first"
+                raise MethodError(self.in_own_words(said))
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
-                raise MethodError(
-                    f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
-                    " that depend on positions only"
-                )
+                said = f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
+                raise MethodError(f"{self.in_own_words(said)} that depend on positions only")
         return positions, velocities
 
     def at(self, names: Mapping[str, str]) -> list[str]:

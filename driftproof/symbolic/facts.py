@@ -192,6 +192,11 @@ ON_REQUEST = ("region_boundary",)
 # The names of all facts in the order in which a reader wants them; most of what the method itself states comes first.
 _LINEAR = (name for name in fact_names(LinearFacts) if name not in ON_REQUEST)
 FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(Facts), *_LINEAR)))
+# What holds but for the rounding of a table, and the facts that hold of the table as it is written.
+BUT_FOR_ROUNDING = {
+    "order_but_for_rounding": ("order", "embedded_order"),
+    "stability_within_digits": ("i_stable", "a_stable", "a_stability", "l_stable", "limit_at_infinity", "sector"),
+}
 # Why a method may not have a fact.
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {

@@ -33,7 +33,8 @@ def own(tmp_path, monkeypatch):
 @pytest.mark.parametrize("function", ["certified_model:pendulum", "pendulum.toml", TEXT, "x' = v, v' = -sin(x)"])
 def test_error_is_that_of_the_file_however_f_is_given(function, own, answer):
     shown = answer("certify", function, RUN).splitlines()
-    assert shown[0] == "largest error 9.299099764e-7, proved: component 1 at t = 4, point 19 of 0 to 19"
+    named = "v" if "v'" in function else "1"
+    assert shown[0] == f"largest error 9.299099764e-7, proved: component {named} at t = 4, point 19 of 0 to 19"
     assert shown[1].startswith("6 correct digits at every point")
 
 
@@ -71,7 +72,14 @@ def test_drifts_of_first_integrals_are_shown(answer):
     assert " = truncation " in drifts[0][2]
 
 
+def test_first_integral_is_written_in_the_names_of_the_text(answer):
+    shown = answer("certify", "x' = v, v' = -sin(x)", RUN, "--invariant", "E=v^2/2 - cos(x)")
+    assert "\nE: largest drift " in shown
+
+
 BAD = {
+    ("x' = v, v' = -sin(x)", RUN, "--invariant", "E=q"): "E: 'q': 'q' is not allowed; write + - * / with t, x, v",
+    ("certified_model.pendulum", RUN): "for a function write certified_model:pendulum",
     (TEXT, RUN, "--invariant", "energy"): "unknown first integral 'energy'; choose from osc",
     (TEXT, RUN, "--invariant", "E=y1^"): "first integral E: ",
     ("y1; -sinn(y0)", RUN): "'-sinn(y0)', column 3: the functions are sin, cos",

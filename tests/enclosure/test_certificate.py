@@ -40,6 +40,12 @@ def test_words_say_where_and_what():
     ]
 
 
+def test_rounding_of_an_implicit_run_holds_what_its_solver_left_unsolved():
+    said = "rounding includes what the run's own solver, such as Newton's method, left unsolved"
+    assert said in replace(WHOLE, split=replace(WHOLE.split, solved=True)).text()
+    assert said not in WHOLE.text()
+
+
 def test_as_many_times_as_components_leave_open_which_are_which_so_it_is_said():
     """Rows that are columns of SciPy's y are another run, and no other shape of y shows it."""
     words = "there are as many times as components; y was read so that y(0.5) = (1.0, 2.0)"

@@ -67,6 +67,14 @@ def test_pair_splitting_nystrom_and_collocation_are_read(write: Write) -> None:
     assert collocation.node_polynomial == (Q(1, 6), -1, 1)
 
 
+def test_roots_are_expressions_in_radicals_and_in_earlier_roots(write: Write) -> None:
+    text = 'family = "splitting"\nparts = [["kick", "d"], ["drift", "1/d"]]\n[roots]\n'
+    written = [write(text + more) for more in ('g = "1 - sqrt(2)/2"\nd = "2*g"', 'd = "2 - sqrt(2)"')]
+    one, other = (method_of(path) for path in written)
+    assert isinstance(one, Splitting)
+    assert one.parts == other.parts
+
+
 def test_roots_are_declared_by_radical_or_by_polynomial_and_interval(write: Write) -> None:
     text = 'family = "splitting"\nparts = [["kick", "r"], ["drift", "1/r"]]\n[roots]\nr = '
     assert parts_of(read_method(write(text + '"cbrt(2)"\n')))[0] == cube_root(2)

@@ -27,6 +27,11 @@ def test_of_the_facts_asked_for_it_is_said_which_belong_to_the_table():
     assert "reduction" not in facts("fehlberg12", only=("order",)).data
 
 
+def test_a_fact_of_rounded_coefficients_brings_what_holds_but_for_the_rounding():
+    assert [*facts("dop853", only=("order",)).data] == ["order", "order_but_for_rounding"]
+    assert [*facts("rk4", only=("order", "a_stable")).data] == ["order", "a_stable"]
+
+
 def test_facts_of_a_method_are_its_typed_facts():
     found = facts("trapezoid", order_tolerance="1e-3", terms=4)
     assert isinstance(found, Facts)

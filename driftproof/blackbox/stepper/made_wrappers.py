@@ -160,7 +160,8 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
         kept = made.new(_START[kind], 0.0)
         places = [attribute_of(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
         time = attribute_of(kept, TIME) if "t" not in given else ""
-        return made._replace(kept=places, time=time).line() if all(places) and made.state <= given else ""
+        size = attribute_of(kept, STEP) if "h" not in given | called else ""
+        return made._replace(kept=places, time=time, size=size).line() if all(places) and made.state <= given else ""
     return ""
 
 
@@ -258,7 +259,7 @@ def advance_of(cls: type) -> str:
 class _Made(NamedTuple):
     """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
-    `kept` are the attributes that hold its state, if it keeps one, and `time` is the attribute with its time.
+    `kept` are the attributes that hold its state, if it keeps one; `time` and `size` are those of its time and step size.
     """
 
     kind: str
@@ -268,6 +269,7 @@ class _Made(NamedTuple):
     method: str = ""
     kept: Sequence[str] = ()
     time: str = ""
+    size: str = ""
 
     @property
     def state(self) -> set[str]:
@@ -279,6 +281,7 @@ class _Made(NamedTuple):
         head = HEADS[self.kind] if timed else "f, y, h"
         made, call = f"{name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
+        begin += f"made.{self.size} = h; " * bool(self.size)
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
@@ -292,8 +295,9 @@ class _Made(NamedTuple):
 
     def new(self, state: Sequence[Any], t: float) -> Any:
         made = self.make(*self._values(self.arguments, state, t))
-        if self.time:
-            setattr(made, self.time, t)
+        for place, x in ((self.time, t), (self.size, 0.25)):
+            if place:
+                setattr(made, place, x)
         return made
 
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:

@@ -9,7 +9,7 @@ from math import hypot, inf, lcm, log2
 from statistics import median
 
 from driftproof.methods.catalogue import Entry, of_one_state
-from driftproof.methods.schemes import MethodError
+from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
@@ -27,6 +27,10 @@ FLOOR_POINTS = 3
 ABOVE = 32
 # The number of finest slopes that an order is read from.
 SLOPES = 3
+# An error of a smaller slope stays: that of a consistent method falls by half at each doubling.
+STAYS = 0.5
+# chosen: the weights of a table of decimals add up to 1 to more digits than this.
+INCONSISTENT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -71,27 +75,34 @@ class Curve:
     claimed_order: int  # 0 if no order is claimed
     points: Sequence[Point] = ()
     refused: str = ""
+    consistent: bool = True  # False if the weights of a step do not add up to 1: its error stays, however short
 
     @property
     def order(self) -> Order | None:
         """The measured order; None unless two neighbouring points count."""
-        slopes = [
+        slopes = self._slopes[-SLOPES:]
+        return Order(median(slopes), min(slopes), max(slopes), len(slopes)) if slopes else None
+
+    @property
+    def _slopes(self) -> list[float]:
+        return [
             log2(coarse.error / fine.error) / log2(fine.steps / coarse.steps)
             for coarse, fine in pairwise(self.points)
             if coarse.steps and fine.steps and counts(coarse) and counts(fine)
-        ][-SLOPES:]
-        return Order(median(slopes), min(slopes), max(slopes), len(slopes)) if slopes else None
+        ]
 
     @property
     def verdict(self) -> str:
         """How the measured order differs from the claim; "" if they agree to the nearest integer, or one is missing.
 
-        Slopes that lie a whole order apart contradict no claim: they are "not settled".
+        Slopes that lie a whole order apart contradict no claim: they are "not settled". So are those of an error that
+        fell as claimed before and then stays, as where equal steps are too long for an initial layer.
         """
         found = self.order
         if found is None or not self.claimed_order:
             return ""
-        if found.largest - found.least >= 1:
+        fell = [a + b for a, b in pairwise(self._slopes[: -found.slopes]) if a + b > 2 * self.claimed_order - 1]
+        if found.largest - found.least >= 1 or (fell and self.consistent and found.largest < STAYS):
             return "not settled"
         if round(found.median) == self.claimed_order:
             return ""
@@ -135,12 +146,13 @@ def curve_of(
 ) -> Curve:
     """The curve of one method. A run that should take more than `most` evaluations is not made, see `measure_curve`."""
     claim = (method.key, method.title, method.claimed_order)
+    weights = isinstance(method, RungeKutta) and abs(sum(map(float, method.b)) - 1) > INCONSISTENT
     try:
         runs = integrator(of_one_state(method), problem, compiled=compiled)
     except MethodError as error:
         return Curve(*claim, refused=str(error))
     steps_of_runs = steps or step_counts(problem, MOST if method.explicit else MOST_IMPLICIT)
-    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, most))
+    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, most), consistent=not weights)
 
 
 def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], most: float = inf) -> list[Point]:

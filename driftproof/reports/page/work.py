@@ -16,7 +16,7 @@ from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
 from driftproof.reports.page.stability import line_style
-from driftproof.support.plain_text import short
+from driftproof.support.plain_text import counted, short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import OscillatorRun
 
@@ -24,6 +24,8 @@ from driftproof.symbolic.runs import OscillatorRun
 # implicit methods, which are solved in Python.
 COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
 REFERENCE_DIGITS = 30
+# Errors of more than this times the solution have no place in the figure: those of runs that are not stable.
+_FARTHEST = 10
 ACCELERATIONS = "calls of the acceleration"
 # Errors to be reached, as powers of ten.
 _GOALS = (-3, -6)
@@ -63,6 +65,8 @@ def work_figure(
     """Error at t against evaluations, both logarithmic; rings mark the points with `own` steps, if any."""
     places = {c.key: {p.steps: (log10(spent), log10(p.error)) for p, spent in _plotted(c)} for c in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
+    left_out = sum(1 for c in found for p in c.points if isfinite(p.error) and p.error > _FARTHEST * p.scale)
+    beyond = f" Above the figure, not stable: {counted(left_out, 'point')}." if left_out else ""
     names = (cost, "error at the end")
     x, y = (decades_of((place[i] for place in every), names[i], WIDE[i]) for i in (0, 1))
     plot, ringed = Plot(x, y), "" if own is None else f"h = {t / own}"
@@ -77,10 +81,11 @@ def work_figure(
         kind="wide",
         title="Error against work",
         description=f"Distance from the exact state at t = {t} against {cost}, both axes logarithmic. "
-        f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}",
+        f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}{beyond}",
         plot=plot,
         legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found)],
-        note=f"{f'Ringed: {ringed}. ' if ringed else ''}From point to point along a line, the step size is halved.",
+        note=f"{f'Ringed: {ringed}. ' if ringed else ''}From point to point along a line, the step size is halved."
+        f"{beyond}",
         data=_data(found, cost),
         data_title=f"Error and {cost}",
     )
@@ -88,7 +93,8 @@ def work_figure(
 
 def _plotted(curve: Curve) -> list[tuple[Point, int]]:
     """The points that have a place on logarithmic axes, each with its evaluations."""
-    return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
+    shown = (p for p in curve.points if 0 < p.error <= _FARTHEST * p.scale and isfinite(p.error))
+    return [(p, p.evaluations) for p in shown if p.evaluations]
 
 
 def _sentence(curve: Curve) -> str:
@@ -107,6 +113,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
             rows.append([curve.title, curve.refused, *[""] * (len(header) - 2)])
             continue
         measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
+        measured = f"not settled ({x.least:.3f} to {x.largest:.3f})" if x and x.largest - x.least >= 1 else measured
         most = max((point.steps or 0 for point in curve.points), default=0)
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]

@@ -130,6 +130,9 @@ def _run(context: QueryContext) -> Answer:
         method, t = context.method(), given["t"]
         with context.refused():
             given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
+    elif "error" in given:
+        on_one = "only on the oscillator is the number of steps for an error counted; with h or N it tells the error"
+        raise context.error(None, f"{on_one}, and driftproof work-precision the errors of many numbers of steps")
     if len(given) != 2:
         lacks = {0: " h=0.1 t=1", 1: " h=0.1" if "N" in given else " N=10"}.get(len(given))
         raise context.error(None, f"run needs exactly two of h, t and N, as in h=1/4 t=10{context.ask_for(lacks)}")
@@ -188,7 +191,7 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
     with context.refused(named):
         if query.problem:
-            problem = problems.problem_of_name(named.text)
+            problem = problems.problem_of_name(named.text, {name: x.value for name, x in query.parameters.items()})
         else:
             names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
             texts = [rate.text for rate in query.rates]

@@ -15,7 +15,7 @@ from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, ev
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS, WHY_NONE, Facts, facts_only
+from driftproof.symbolic.facts import BUT_FOR_ROUNDING, FACTS, ON_REQUEST, OTHER_FACTS, WHY_NONE, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.facts import ExactFunction, Formula, Sector, TruncatedSeries, facts_by_name
@@ -31,8 +31,7 @@ from driftproof.texts.writing.records import parts
 FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)))
 # Fact -> its evidence: counted, or stated by the source; all others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
-_ORDERS = ("order", "embedded_order")
-_AS_ROUNDED = "with the coefficients as rounded; order_but_for_rounding ignores the rounding"
+_AS_ROUNDED = "with the coefficients as rounded"
 # Leading terms that are answered with their power of h; for others the coefficient alone is the answer.
 WITH_POWER = ("dispersion", "dissipation")
 
@@ -53,8 +52,14 @@ def fact(context: QueryContext) -> Answer:
         if isinstance(found, QuadraticForm) and context.query.readout is None:
             return _quadratic(context, found)
         answer = _answer(context, *_part(context, found, subject.key))
-        rounded = name in _ORDERS and not isinstance(subject, Family) and subject.decimal
-        return replace(answer, remark=_AS_ROUNDED) if rounded else answer
+        within = next((more for more, names in BUT_FOR_ROUNDING.items() if name in names), None)
+        rounded = not isinstance(subject, Family) and subject.decimal
+        if within == "stability_within_digits" and isinstance(subject, RungeKutta):  # its file may not say so
+            rounded = rounded or Facts(subject).stability_within_digits is not None
+        if not rounded or not (within or isinstance(found, bool)):
+            return answer
+        more = f"; {within} ignores the rounding" if within else ""
+        return replace(answer, remark=f"{_AS_ROUNDED}{more}")
 
 
 def coefficient(context: QueryContext) -> Answer:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise, takewhile
@@ -69,6 +69,7 @@ class Query:
     rates: tuple[Token, ...] = ()
     energy: Token | None = None
     unknowns: tuple[str, ...] = ()
+    parameters: dict[str, NumberNode] = field(default_factory=dict)  # of a problem in a file
 
 
 Node: TypeAlias = ExpressionNode | Query
@@ -118,7 +119,7 @@ class _QuestionParser(PieceParser):
             parts: dict[str, Any] = defaultdict(dict)
             self._equation(name, parts)
             return self.query(name, name._replace(text="run"), parts)
-        named = named or (self.next.text == "," and bool(keys_of_name(name.text)) and self._another_part())
+        named = named or (self.next.text == "," and bool(keys_of_name(name.text)) and self._another_part(parts={}))
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or named):
             if not self.in_rate and keys_of_name(name.text):
                 raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
@@ -165,7 +166,7 @@ class _QuestionParser(PieceParser):
 
     def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Node:
         """Parse the rest of a query, which began at `name`, after its head."""
-        while self._another_part():
+        while self._another_part(parts):
             token = self.take()
             if token.text == "per" and self.accept("step"):
                 head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
@@ -223,8 +224,16 @@ class _QuestionParser(PieceParser):
             )
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
-    def _another_part(self) -> bool:
-        """True if another part of the query follows; consumes a comma before an equation, a setting, at or from."""
+    def _another_part(self, parts: Mapping[str, Any]) -> bool:
+        """True if another part of the query follows; consumes a comma before an equation, a setting, at or from.
+
+        After equations it may also be one before the method.
+        """
+        if self.next.text == "," and parts.get("rates") and "subject" not in parts:
+            at, method = self.at, self.method_name(self.tokens[self.at + 1])
+            self.at = at
+            if keys_of_name(method.text) or method.text.endswith(".toml"):
+                self.take()
         if self.next.text == ",":
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
@@ -257,12 +266,14 @@ class _QuestionParser(PieceParser):
             if any(in_rate.search(rate.text) for rate in rates):
                 text = f"({parts['settings'].pop(name).value})"
                 rates = tuple(rate._replace(text=in_rate.sub(text, rate.text)) for rate in rates)
+        of_file = parts.get("problem") is not None and parts["problem"].text.endswith(".toml")
+        own = {name: parts["settings"].pop(name) for name in [*parts["settings"]] if of_file and name not in SETTINGS}
         if wrong := [*parts["settings"].keys() - {*SETTINGS}]:
             column = parts["settings"][wrong[0]].column
             raise self.error(Token(NAME, wrong[0], column), _NO_SETTING.format(repr(wrong[0])))
         energy = rates[-1] if parts["energy"] else None
         rates = rates[: len(rates) - bool(energy)]
-        return {**parts, "rates": rates, "energy": energy, "start": start or None, "unknowns": names}
+        return {**parts, "parameters": own, "rates": rates, "energy": energy, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:
         """The name of the setting at this token, before a number or =, and its number of words; ("", 0) for none."""
@@ -351,7 +362,7 @@ class _QuestionParser(PieceParser):
     def _why_unexpected(self, token: Token) -> str:
         from driftproof.numeric.problems.catalogue import PROBLEMS
 
-        if token.text in PROBLEMS:
+        if token.text in PROBLEMS or token.text.endswith(".toml"):
             return f"to name a problem, write problem={token.text}"
         hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
         unexpected = f"unexpected {token.shown}; a colon and a readout may follow{hint}"
@@ -384,7 +395,8 @@ class _QuestionParser(PieceParser):
         """Parse a setting NAME=LITERAL after its name; the equals sign is optional, and steps means N."""
         self.accept("=")
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
-        if key not in SETTINGS and [token.text for token in self.tokens].count(key) < 2:
+        said = [token.text for token in self.tokens]
+        if key not in SETTINGS and said.count(key) < 2 and PROBLEM not in said:
             raise self.error(name, _NO_SETTING.format(name.shown))
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self.after(self.at)

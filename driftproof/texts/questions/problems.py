@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,7 +21,7 @@ from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
-from driftproof.support.toml_tables import read_toml
+from driftproof.support.toml_tables import TomlTable, as_table, read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
@@ -259,10 +259,21 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
     }
 
 
-def problem_of_name(name: str) -> ProblemTable:
-    """The problem with this name in the catalogue, or in this .toml file. Raises ValueError if there is none."""
+def problem_of_name(name: str, parameters: Mapping[str, Fraction]) -> ProblemTable:
+    """The problem with this name in the catalogue, or in this .toml file with other values of some of its parameters.
+
+    Raises ValueError if there is none, or no such parameter.
+    """
+
+    def changed(table: TomlTable) -> ProblemTable:
+        held = as_table(table.get("parameters", {}), "parameters")
+        if others := [each for each in parameters if each not in held]:
+            has = f"; {name} has {', '.join(held)}" if held else f"; {name} has none"
+            raise ValueError(f"{others[0]!r} is neither a setting nor a parameter{has}")
+        return problem_table({**table, "parameters": held | {each: str(x) for each, x in parameters.items()}})
+
     if name.endswith(".toml"):
-        return read_toml(file_named(name), LONGEST_PROBLEM, problem_table)
+        return read_toml(file_named(name), LONGEST_PROBLEM, changed if parameters else problem_table)
     from driftproof.numeric.problems.catalogue import problem_named
 
     problem = problem_named(name)

@@ -57,7 +57,8 @@ FACT_WORDS = {
 }
 
 # Ambiguous name -> what it may mean, as error messages show it.
-LIMITS = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
+_LINES = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
+LIMITS = f"{_LINES}; for a problem of your own there is driftproof stability mine.toml"
 _DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or dissipation METHOD (of its amplitude)"
 _KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"

@@ -71,6 +71,8 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
     [
         ((2, 0.3, 7.6), "not settled", 3), ((2, 1), "not settled", 2), ((1.5, 2.25), "", 2), ((9, 9, 2, 2, 2), "", 3),
         ((3, 3), "above the claimed order 2", 2), ((2, 2, None), "", 2), ((2, None, 7), "", 1), ((None,), "", 0),
+        ((2, 2, 0.2, 0.2, 0.1), "not settled", 3), ((2, 2, 1, 1, 1), "below the claimed order 2", 3),
+        ((0.2, 0.2, 0.2, 0.2, 0.1), "below the claimed order 2", 3),
     ],
 )  # fmt: skip
 def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart(
@@ -82,6 +84,8 @@ def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart
         points.append(finer if order else dataclasses.replace(finer, scale=0.0))
     curve = Curve("a", "A", 2, points)
     assert (curve.verdict, curve.order.slopes if curve.order else 0) == (verdict, slopes)
+    if verdict == "not settled" and slopes == len(orders) - 2:  # the same curve of weights that do not add up to 1
+        assert dataclasses.replace(curve, consistent=False).verdict == "below the claimed order 2"
     assert Curve("a", "A", 2, [dataclasses.replace(point, steps=None) for point in points]).order is None
 
 

@@ -49,6 +49,18 @@ def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_t
     assert drawn == [2, 1, 1]  # the path also in the legend
 
 
+def test_errors_far_beyond_the_solution_are_counted_and_do_not_stretch_the_axis():
+    seen = ((8, 1e150), (16, 1e40), (32, 1e-3), (64, 1e-5))
+    points = [Point(str(n), n, {STATE: Size(x, x)}, scale=1.0, steps=n) for n, x in seen]
+    figure = work_figure([Curve("c", "C", 0, points)], "id", Q(1))
+    assert figure.description.endswith("C: from 0.001 at 32 to 1.0e-5 at 64. Above the figure, not stable: 2 points.")
+    assert figure.plot.y.scale.high < 2
+    assert len(figure.data) == 5
+    assert "not settled (" in work_table(
+        [Curve("c", "C", 2, [*points[2:], Point("128", 128, {STATE: Size(1e-6, 1e-6)}, scale=1.0, steps=128)])]
+    )
+
+
 def test_methods_without_any_error_are_told_of():
     found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
     shown, figure = work_table(found), work_figure(found, "id", Q(1))

@@ -26,6 +26,24 @@ def test_an_order_of_rounded_coefficients_is_said_to_be_that():
         assert ("with the coefficients as rounded" in str(value(f"order of {method}"))) is rounded
 
 
+ALEXANDER = """family = "runge_kutta"
+A = [[0.4358665215, 0, 0], [0.28206673925, 0.4358665215, 0], [1.208496649, -0.644363171, 0.4358665215]]
+b = [1.208496649, -0.644363171, 0.4358665215]
+"""
+
+
+def test_stability_of_rounded_coefficients_is_said_to_be_that(tmp_path, monkeypatch):
+    """Alexander's L-stable method, in ten digits; a table that needs no rounding, without the remark."""
+    monkeypatch.chdir(tmp_path)
+    for name, more in (("said", "decimal = true\n"), ("unsaid", "")):
+        (tmp_path / f"{name}.toml").write_text(more + ALEXANDER)
+        for asked in (f"is {name}.toml L-stable", f"a_stable {name}.toml"):
+            assert str(value(asked)).endswith("as rounded; stability_within_digits ignores the rounding)")
+    for exact in ("a_stable gauss2", "l_stable sdirk2"):
+        assert str(value(exact)) == "yes  (PROVED)"
+    assert str(value("symplectic said.toml")) == "no  (PROVED; with the coefficients as rounded)"
+
+
 def test_leading_term_with_a_root_is_exact():
     """C = 1/6 - gamma + gamma**2/2 times -1 for two stages (hairer-wanner-1996, IV.6), gamma = 1 - sqrt(1/2)."""
     found = value("error_constant sdirk2")

@@ -81,6 +81,28 @@ def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, mo
     require_refusal("run rk4 rates=(-y0) from 1 h=1/4 t=1 : energy", 40, "'energy' is not a readout of run")
 
 
+def test_parameters_of_a_file_may_be_changed_and_no_others(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for g in ("9.81", "1.62"):
+        Path(f"g{g[0]}.toml").write_text(MINE.replace("9.81", g), encoding="utf-8")
+    asked = "run heun2 problem={}.toml {} h=1/4 t=1 : y1"
+    there, other = (value(asked.format(name, "")).digits(20) for name in ("g1", "g9"))
+    assert value(asked.format("g9", "g=1.62")).digits(20) == there != other
+    with pytest.raises(QuestionError, match=r"'k' is neither a setting nor a parameter; g9\.toml has g"):
+        value(asked.format("g9", "k=1"))
+    with pytest.raises(QuestionError, match="'g' is not a setting"):
+        value("run heun2 problem=pendulum g=1 h=1/4 t=1 : y1")
+
+
+@pytest.mark.parametrize("method", ["RK4", "Crank-Nicolson"])
+def test_method_may_follow_the_equations(method):
+    rest = "h=0.1, t=1 : y"
+    asked = f"y'=-y, y(0)=1, {method}, {rest}", f"{method}, y'=-y, y(0)=1, {rest}"
+    assert len({value(each).digits(20) for each in asked}) == 1
+    with pytest.raises(QuestionError, match="unexpected ','"):
+        value(f"{method}, y'=-y, y(0)=1, heun2, {rest}")
+
+
 def test_energy_of_equations_stands_beside_them():
     equations, run = "q'=p, p'=-k*q, q(0)=1, p(0)=2", "h=1/4, N=3 : energy_change"
     found = value(f"run forward_euler {equations}, energy=p^2/2 + k*q^2/2, k=1/2, {run}")
