@@ -182,12 +182,14 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
         with suppress(Exception):
             values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
             values["1"] = count
-            found = step(*[copy(values[given[each]]) for each in names])
+            found, of_all = step(*[copy(values[given[each]]) for each in names]), "{}"
+            if inspect.isgenerator(found):
+                found, of_all = [*found][-1], "[*{}][-1]"
             states = ("q", "v") if {"q", "v"} <= {*given.values()} else ("y",) if kind == FIELD else ("[q, v]",)
             places = [_end_of(found, values[each]) for each in states]
             if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
                 return ""  # what is not known to be a row of times need not be one
-            run = _called(step, names, given)
+            run = of_all.format(_called(step, names, given))
             first, *last = ("".join(f"[{i}]" for i in place) for place in places)
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"

@@ -259,7 +259,7 @@ def advance_of(cls: type) -> str:
 class _Made(NamedTuple):
     """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
-    `kept` are the attributes that hold its state, if it keeps one; `time` and `size` are those of its time and step size.
+    `kept` are the attributes that hold its state, if it keeps one, `time` and `size` those of its time and step size.
     """
 
     kind: str

@@ -142,6 +142,12 @@ def of_span(f, tspan, y0, n):
         y[i + 1] = y[i] + dt * f(t[i], y[i])
     return t, y
 
+def march(f, t0, y0, t_end, h):
+    yield t0, y0
+    while t0 < t_end - 1e-12:
+        t0, y0 = t0 + h, y0 + h * f(t0, y0)
+        yield t0, y0
+
 def heun_of_ends(f, a, b, alpha, N):
     h, w = (b - a) / N, alpha
     for i in range(N):
@@ -198,6 +204,7 @@ PASTED = {
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
     "of_span": ("f, t, y, h", "return of_span(f, [t, t + h], y, 1)[1][-1]", FORWARD),
+    "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
     "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
     "of_module": (
         "f, t, y, h",

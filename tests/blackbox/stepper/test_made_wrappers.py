@@ -29,6 +29,10 @@ class Kept:
         self.y = self.y + self.dt / 2 * (k + self.f(self.t + self.dt, self.y + self.dt * k))
         self.t += self.dt
 
+class KeptDefault(Kept):
+    def __init__(self, f, y0, dt=0.01):
+        Kept.__init__(self, f, y0, dt)
+
 class Called:
     def __call__(self, t, y):
         k = self.f(t, y)
@@ -164,6 +168,8 @@ def states(f, y0, t0, t1, n):
 WRAPPED = {
     "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
     "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
+    "KeptDefault": "def wrapped(f, t, y, h): made = KeptDefault(f, y); made.t = t; made.dt = h; made.advance(); "
+    "return made.y",
     "KeptVerlet": "def wrapped(force, q, v, h): made = KeptVerlet(force, q, v, h); made.step(); return made.x, made.v",
     "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); ys = [y]; "
     "[ys.append(made(t + i * h, ys[-1])) for i in range(n)]; return ys",
