@@ -78,16 +78,19 @@ NOT_ELSEWHERE = "sympy"
 # second order, parameters and tables as texts have them, 94; energies, what multiplies a derivative, and what
 # stands above a table, 120. Support imports what a user names, 31, which stood in blackbox; enclosure reads a problem's
 # table, 85, which stood in reports and half in texts.
+# What five strangers found wrong or missing: columns of a file by their names, 90, and messages with the names of f in
+# enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
+# another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
 BUDGETS = {
-    "support": 1231,
-    "methods": 5301,
-    "symbolic": 10119,
-    "numeric": 3921,
-    "blackbox": 19876,
-    "enclosure": 3199,
-    "texts": 8000,
+    "support": 1267,
+    "methods": 5347,
+    "symbolic": 10147,
+    "numeric": 3933,
+    "blackbox": 20043,
+    "enclosure": 3378,
+    "texts": 8469,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5558
+BUDGET_OF_REPORTS_AND_FRONT = 5623
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
