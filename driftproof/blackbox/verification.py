@@ -196,10 +196,10 @@ class Refutation:
     @property
     def _other_method(self) -> str:
         coefficients, verdict, key = self.seen.of_step[1], self.instead.verdict, self.seen.method.key
-        if verdict.startswith(f"it is {key}, "):
-            return f"is not {key}, but {verdict.removeprefix('it is ')}"
         wrong = "; ".join(coefficients.data.get("differences", ()))
         what = f": {wrong}" if wrong and wrong not in verdict else ""
+        if verdict.startswith(f"it is {key}, ") and not what:
+            return f"is not {key}, but {verdict.removeprefix('it is ')}"
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
         return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
