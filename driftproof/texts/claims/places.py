@@ -104,7 +104,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
     """
     heads = [_SHORT_HEADS.get(cell.head, cell.head) for cell in row if cell.start <= start]
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
-    settings, sure = _settings(text, start, end, row, head)
+    settings, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
     if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
@@ -135,9 +135,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
     return Place(frozenset(methods), settings, quantity, name, sure and quantity is not None)
 
 
-def _settings(text: str, start: int, end: int, row: Sequence[Cell], head: str) -> tuple[dict[str, Fraction], bool]:
+def _settings(
+    text: str, span: tuple[int, int], sentence: tuple[str, str], row: Sequence[Cell], head: str
+) -> tuple[dict[str, Fraction], bool]:
     """The step size and the time there: of the row, the head, the sentence, or the last before it; is the time near?"""
-    (before, after), far = sentence_around(text, start, end), text[max(0, start - _FARTHEST) : start]
+    (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
     of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in "htn"}
     settings, near = dict[str, Fraction](), dict[str, list[str]]()

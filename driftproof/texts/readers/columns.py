@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from driftproof.texts.readers.source_text import Insertion, SourceText, joined
 
-_CELL = re.compile(r"\S+(?: \S+)*")  # a tab parts cells as two spaces do
+CELL = re.compile(r"\S+(?: \S+)*")  # a tab parts cells as two spaces do
 _NUMBER = re.compile(r"[-+−]?(?:[0-9]+/[0-9]+|[0-9]*\.?[0-9]+)(?:[eE][-+]?[0-9]+|[×·]10\S+)? ?%?|-|nan|inf")
 _RULE = re.compile(r"[ \t]*[-=+]{2,}[-=+ \t]*\n?")
 
@@ -23,7 +23,7 @@ def with_columns_parted(text: SourceText) -> SourceText:
 
 def _pieces(text: SourceText) -> Iterator[SourceText | Insertion]:
     lines = text.text.splitlines(keepends=True)
-    cells = [[] if "|" in line else [*_CELL.finditer(line)] for line in lines]
+    cells = [[] if "|" in line else [*CELL.finditer(line)] for line in lines]
     starts = [0]
     for line in lines:
         starts.append(starts[-1] + len(line))

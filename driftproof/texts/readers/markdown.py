@@ -33,7 +33,7 @@ example versionadded versionchanged deprecated glossary container div
 """
 _READ = frozenset(_PROSE_DIRECTIVES.split())
 # Roles whose text is a key that is not shown, unless a text precedes it: {ref}`the figure <fig-1>`.
-KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
+_KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
 # Also not shown: targets, comments, substitutions, block breaks, and the label after a displayed equation.
 _TARGET = re.compile(
     r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}|^\+\+\+(?: [^\n]*)?$\n?"
@@ -135,6 +135,19 @@ def shielded(text: SourceText) -> SourceText:
     return text.rewritten(_PUNCTUATION, lambda sign: [_shield(sign[0])])
 
 
+def shielded_in_role(kept: SourceText, role: str) -> SourceText:
+    """The shielded text of a role, raised or lowered by sup and sub."""
+    if role in _SCRIPTS:
+        before = Insertion(_SCRIPTS[role], kept.origin(0))
+        kept = joined([before, kept, Insertion("}", kept.origin(len(kept.text)))])
+    return shielded(kept)
+
+
+def is_key(role: str) -> bool:
+    """True if the text of the role is a key, which is not shown."""
+    return not _KEYS.isdisjoint(role.split(":")) or role.startswith("cite")
+
+
 def unshielded(text: SourceText) -> SourceText:
     """The text with the punctuation that was shielded."""
     return text.rewritten(_SHIELDED, lambda match: [chr(ord(match[0]) - _FIRST_SHIELD)])
@@ -149,18 +162,15 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
             continue
         name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
         kept = text[match.start(name) : match.end(name)]
-        if not KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
+        if is_key(role):
             shown = SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]
         kept = kept if name == "code" and role != "math" else tex_prose(kept)
-        if role in SCRIPTS:
-            before = Insertion(SCRIPTS[role], kept.origin(0))
-            kept = joined([before, kept, Insertion("}", kept.origin(len(kept.text)))])
-        pieces.append(shielded(kept))
+        pieces.append(shielded_in_role(kept, role))
     return joined([*pieces, text[done:]])
 
 
-SCRIPTS = {"sup": "^{", "sub": "_{"}
+_SCRIPTS = {"sup": "^{", "sub": "_{"}
 # Tags that separate the text around them, and the separators.
 _PARTING = {
     "br": "\n", "p": "\n", "div": "\n", "tr": "\n", "table": "\n", "li": "\n", "ul": "\n", "ol": "\n", "hr": "\n",
@@ -171,5 +181,5 @@ _PARTING = {
 def _tag(match: re.Match[str]) -> Iterable[Piece]:
     name = match["name"].lower()
     if match["end"]:
-        return ["}" if name in SCRIPTS else ""]
-    return [SCRIPTS.get(name, _PARTING.get(name, ""))]
+        return ["}" if name in _SCRIPTS else ""]
+    return [_SCRIPTS.get(name, _PARTING.get(name, ""))]

@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
+from driftproof.texts.readers.columns import CELL
 from driftproof.texts.readers.markdown import (
     CELL_OF_LIST,
     DEEPEST,
-    KEYS,
     MACHINE_DIRECTIVES,
     NO_TITLES,
-    SCRIPTS,
     SHOWN,
-    shielded,
+    is_key,
+    shielded_in_role,
     unshielded,
 )
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Insertion, SourceText, joined
@@ -31,15 +31,8 @@ _BLOCK = re.compile(
 )  # fmt: skip
 _OPTIONS = re.compile(r"(?:[ \t]*:[\w-]+:[^\n]*(?:\n|\Z))+")
 _PROGRAMS = {
-    "code-block",
-    "code",
-    "sourcecode",
-    "code-cell",
-    "jupyter-execute",
-    "plot",
-    "ipython",
-    "testcode",
-    "doctest",
+    *("code-block", "code", "sourcecode", "code-cell", "jupyter-execute"),
+    *("plot", "ipython", "testcode", "doctest"),
 }
 _INLINE = re.compile(
     r"``(?P<code>[^\n]{1,500}?)``(?!`)|(?::(?P<role>[A-Za-z][\w:.+-]{0,40}):)?`(?P<text>[^`\n]{1,500}(?:\n[^`\n]{1,500})?)`"
@@ -50,7 +43,6 @@ _TITLE_LINE = re.compile(r"""^(?P<sign>[=~^"'`#*+.:_<>-])(?P=sign){2,}[ \t]*$\n?
 _GRID_LINE = re.compile(r"^[ \t]*\+(?:[-=]+\+)+[ \t]*$\n?", re.MULTILINE)
 _BORDER = re.compile(r"[ \t]*(?:={2,}|-{2,})(?: +(?:={2,}|-{2,}))+[ \t]*\n?\Z")
 _COLUMN = re.compile("=+|-+")
-_APART = re.compile(r"\S+(?: \S+)*")
 _STRONG = re.compile(r"(?<![\w*])(\*\*?)(?=\S)(?P<a>[^*\n]{1,500}?)(?<=\S)\1(?![\w*])")
 _ESCAPED = re.compile(r"\\(.)")
 
@@ -107,13 +99,9 @@ def _prose(text: SourceText) -> SourceText:
         shown = SHOWN.match(kept.text) if not match["code"] and role != "math" else None
         if shown:
             kept = kept[slice(*shown.span("a"))]
-        elif not KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
+        elif is_key(role):
             kept = kept[:0]
-        kept = tex_prose(kept) if role == "math" else kept
-        if role in SCRIPTS:
-            end = kept.origin(len(kept.text))
-            kept = joined([Insertion(SCRIPTS[role], kept.origin(0)), kept, Insertion("}", end)])
-        pieces.append(shielded(kept))
+        pieces.append(shielded_in_role(tex_prose(kept) if role == "math" else kept, role))
     text = joined([*pieces, text[done:]]).removed(_FOOTNOTE)
     text = text.rewritten(_ESCAPED, lambda match: [match.span(1)])
     return unshielded(text.rewritten(_STRONG, lambda match: [match.span("a")]))
@@ -124,10 +112,10 @@ def _rows(text: SourceText) -> Iterator[SourceText | Insertion]:
     columns, at = list[int](), 0
     for line, after in pairwise([*text.text.splitlines(keepends=True), ""]):
         if _BORDER.match(line):
-            columns = [match.start() for match in _COLUMN.finditer(line)] if columns or after.strip() else []
-            columns = columns if after.strip() else []  # the last border stands before an empty line
+            # The last border stands before an empty line.
+            columns = [match.start() for match in _COLUMN.finditer(line)] if after.strip() else []
         elif columns:
-            apart = [match.start() for match in _APART.finditer(line)]  # beside the borders, as writers leave them
+            apart = [match.start() for match in CELL.finditer(line)]  # beside the borders, as writers leave them
             starts = apart if len(apart) == len(columns) else columns
             for start, end in zip(starts, [*starts[1:], len(line)], strict=True):
                 yield Insertion("| ", text.origin(min(at + start, at + len(line) - 1)))
