@@ -87,10 +87,10 @@ BUDGETS = {
     "symbolic": 10147,
     "numeric": 3933,
     "blackbox": 20043,
-    "enclosure": 3378,
-    "texts": 8469,
+    "enclosure": 3458,
+    "texts": 8600,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5623
+BUDGET_OF_REPORTS_AND_FRONT = 5624
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

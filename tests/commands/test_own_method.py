@@ -84,7 +84,9 @@ def test_where_a_table_makes_no_runs_a_line_says_what_works_and_nothing_is_writt
     assert answer("facts", "mine.toml", "--only", "order")
     for words in exactly(17, REFUSED):
         told = refusal(*words)
-        assert re.search("`driftproof facts`|with at and a value of theta|'mine.toml at 1/2'", told), words
+        assert re.search("`driftproof facts`|with at and a value of theta|'mine.toml at 1/2'|say started=rk4", told), (
+            words
+        )
     assert {path.name for path in folder.iterdir()} == given
 
 

@@ -42,6 +42,10 @@ _IN_FORMULA = (r"(?:[+*/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*/^√]|-\s
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
+# What a text says about the first values of a multistep method.
+STARTING = re.compile(
+    r"(?:(?![.;,]\s)[\s\S]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))(?:(?![.;]\s)[\s\S]){0,100}"
+)
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
@@ -66,7 +70,7 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool) ->
         own_symbols = _SYMBOLS.get(quantity, quantity if len(quantity) == 1 else "")
         if symbol[1] not in own_symbols if own_symbols else symbol[1] in _CHOSEN:
             return True
-    key = min(methods_named(question.lower()), default="")
+    key = min(methods_named(re.sub(r" started=\S+", "", question.lower())), default="")
     (own, other), (own_after, other_after) = (_methods(part, key) for part in (before, after))
     other_method = bool(key) and _differs(own, other, before, () if asked else other_after, own_after)
     if asked or other_method:
@@ -144,6 +148,15 @@ def methods_named(text: str) -> set[str]:
 def last_methods_named(*texts: str) -> set[str]:
     """The keys of the method named last in the first of the texts that names one."""
     return next((found[-1][1] for text in texts if (found := _named(text))), set())
+
+
+def without_starters(text: str) -> str:
+    """The lower-case text, blanks in place of the methods of one step that it says start a multistep method."""
+
+    def blank(name: re.Match[str]) -> str:
+        return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
+
+    return STARTING.sub(lambda clause: _spoken_names().sub(blank, clause[0].replace("-", " ")), text)
 
 
 def _named(text: str) -> list[tuple[int, set[str]]]:

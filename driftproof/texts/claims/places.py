@@ -22,6 +22,8 @@ _WORDS = {
     "evaluations": r"evaluations|calls",
 }
 _QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
+# A quantity whose own value is given, so that what follows is another one.
+_WITH_VALUE = re.compile(rf"(?:{_QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
     r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
@@ -104,10 +106,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
     """
     heads = [_SHORT_HEADS.get(cell.head, cell.head) for cell in row if cell.start <= start]
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
-    settings, sure = _settings(text, (start, end), (before, after), row, head)
+    settings, sure, near_h = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
     if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
+        about = _WITH_VALUE.sub("", about)
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
     quantity, name = said[-1].lastgroup if said else "state" if head else None, None
     if found := direct or _WORKED_OUT.search(before):
@@ -127,6 +130,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
         quantity = "percent" if more["percent"] else counted or "ratio"
     if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
+    if quantity == "ratio" and not near_h:  # which of several pairs of step sizes is not said
+        settings.pop("h", None)
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell.text for cell in row))
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
@@ -137,8 +142,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
 
 def _settings(
     text: str, span: tuple[int, int], sentence: tuple[str, str], row: Sequence[Cell], head: str
-) -> tuple[dict[str, Fraction], bool]:
-    """The step size and the time there: of the row, the head, the sentence, or the last before it; is the time near?"""
+) -> tuple[dict[str, Fraction], bool, bool]:
+    """Step size and time there: of the row, the head, the sentence, or the last before it; is time, step size near?"""
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
     of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in "htn"}
@@ -156,7 +161,7 @@ def _settings(
         settings["t"] = taken[0] * settings["h"]
     elif counts and "t" in settings and "h" not in settings:
         settings["h"] = settings["t"] / counts[0]
-    return settings, bool(row or near["t"] or taken)
+    return settings, bool(row or near["t"] or taken), bool(near["h"])
 
 
 def is_head_of(setting: str, head: str) -> bool:

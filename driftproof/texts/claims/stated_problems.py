@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import methods_named
+from driftproof.texts.claims.contradictions import STARTING, methods_named
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
@@ -23,7 +24,7 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
-_MOST_COUNTED = 10_000
+_MOST_COUNTED, _MOST_STARTERS = 10_000, 3
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
@@ -213,11 +214,15 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     after |= {1} if re.search(r"k_?1\b", part) else set()
     after |= rows - {0} if {1, 2} <= rows else set()  # numbers of steps, not of runs
     times = sorted({*times, *(n * h for n in after for h in sizes)})
-    spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
+    multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
+    known = multistep | {*METHODS}
+    spoken = methods_named(part.lower()) & known or methods_named(text.lower()) & known
     if "explicit" in text.lower() and "implicit" not in text.lower():
         spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
     chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
-    methods, left = ",".join(chosen), Fraction(_MOST_STEPS)
+    many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
+    named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
+    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part, chosen)]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
@@ -225,24 +230,35 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
     runs = list[tuple[Fraction, list[Fraction]]]()
-    for h in sizes[::-1][:_MOST_SIZES] if methods else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and len(chosen) * t / h <= left]
+    for h in sizes[::-1][:_MOST_SIZES] if named else ():
+        fitting = [t for t in times if (t / h).denominator == 1 and many * t / h <= left]
         if fitting := fitting[-_MOST_TIMES:]:
-            left -= len(chosen) * fitting[-1] / h
+            left -= many * fitting[-1] / h
             runs.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
-            yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
-            if problem.energy:
-                conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                yield f"run {{{methods}}} {conserved} : {{energy,energy_change}}"
-                yield f"abs(run {{{methods}}} {conserved} : energy_change)"
-            if re.search(r"k_?1\b", part):
+            for methods in named:
+                yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
+                if problem.energy:
+                    conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
+                    yield f"run {methods} {conserved} : {{energy,energy_change}}"
+                    yield f"abs(run {methods} {conserved} : energy_change)"
+            if chosen and re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
-                yield f"step {{{methods}}} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
+                yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
     for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as|divides", part) else ():
         if ends := ",".join(_shown(t) for t in fitting if t in also):
-            both = (f"h={x}, t={{{ends}}} : error" for x in (f"{{{_shown(h)}}}", _shown(shorter)))
-            yield f"ratio({', '.join(f'run {{{methods}}} {equations}, {rest}' for rest in both)})"
+            both = [f"h={x}, t={{{ends}}} : error" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
+            for methods in named:
+                yield f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+
+
+def _starters(part: str, chosen: Sequence[str]) -> list[str]:
+    """What the text says that first values of a multistep method come from, else any method of one step it names."""
+    sentences = " ".join(STARTING.findall(part.lower()))
+    said = [key for key in METHODS if key in methods_named(sentences)]
+    if "exact" in sentences or not (said or chosen):
+        return [*said, "exact"][:_MOST_STARTERS]
+    return [*(said or chosen)][:_MOST_STARTERS]
 
 
 def _shown(x: Fraction) -> str:

@@ -18,7 +18,7 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
+from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit, without_starters
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import Place, place_of
@@ -100,6 +100,8 @@ class Suggestions:
         self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
         self.stated = stated_questions(text, self.tables.column_of)
+        if any(" started=" in one for one in self.stated):
+            self._lower = without_starters(self._lower)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""

@@ -17,11 +17,13 @@ from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT, names_that_ask
 
 if TYPE_CHECKING:
+    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.enclosure.problem_tables import ProblemTable
     from driftproof.methods.schemes import Method
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
 # What a step or a run may have besides its settings.
-_PARTS = ("start", "readout", "unit", "problem")
+_PARTS = ("start", "readout", "unit", "problem", "started")
 
 
 def value(question: str) -> Answer:
@@ -148,14 +150,17 @@ def _whole_number(context: QueryContext) -> int:
 
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
+    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.methods.multistep import Multistep
     from driftproof.texts.questions.runs import RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "the step size h must not be 0")
-    if context.about_problem is not None or "lambda" in context.query.settings:
-        return _problem_answer(context, context.method() if context.about_problem is not None else None, h, t)
-    method = context.method()
+    by_factor = "lambda" in context.query.settings and not isinstance(context.subject(), Multistep)
+    method = None if by_factor else context.method_of_run()
+    if method is None or isinstance(method, StartedMultistep) or context.about_problem is not None:
+        return _problem_answer(context, method, h, t)
     if unit is not None and unit.text not in UNITS:
         raise context.error(unit, f"{unit.shown} is not a unit of angles; the units are {', '.join(UNITS)}")
     with context.refused():
@@ -167,39 +172,21 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
-def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
+def _problem_answer(
+    context: QueryContext, method: Method | StartedMultistep | None, h: Fraction, t: Fraction
+) -> Answer:
     """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
-    from driftproof.enclosure.problem_tables import ProblemTable
-    from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions import problems
 
-    query, named = context.query, context.about_problem
-    if query.unit is not None or (named is None and query.start is not None):
-        raise context.error(query.unit, "y' = λy always starts at 1, and readouts on a problem take no unit")
-    if named is None:
-        rate, steps = query.settings["lambda"].value, t / h
-        if steps.denominator != 1 or steps < 1:
-            raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
-        at = f" at {query.at.text}" if query.at else ""
-        try:
-            factor = value(f"stability_function {query.subject.text if query.subject else ''}{at} z={rate * h}")
-        except QuestionError as error:
-            raise context.error(query.subject, error.reason) from None
-        with context.refused(query.readout):
-            return context.readout(problems.decay_readouts(factor, rate, h, int(steps)))()
-    if "lambda" in query.settings or (query.problem and query.rates):
+    query, named, decays = context.query, context.about_problem, "lambda" in context.query.settings
+    if named is not None and (decays or (query.problem and query.rates)):
         raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
+    if query.unit is not None or (decays and query.start is not None):
+        raise context.error(query.unit, "y' = λy always starts at 1, and readouts on a problem take no unit")
+    if decays and method is None:
+        return _decay_answer(context, h, t)
     with context.refused(named):
-        if query.problem:
-            problem = problems.problem_of_name(named.text, {name: x.value for name, x in query.parameters.items()})
-        else:
-            names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
-            texts = [rate.text for rate in query.rates]
-            field, energy = field_of_text(texts, names=names), None
-            if query.energy:
-                both = field_of_text([*texts, query.energy.text], names=names)
-                field, energy = replace(field, parameters=both.parameters), both.rates[-1]
-            problem = ProblemTable(field, (), energy, query.unknowns)
+        problem = _problem(context)
         try:
             given = query.start or ()
             start: tuple[CertifiableReal, ...] = tuple(_entry(x) if isinstance(x, str) else x for x in given)
@@ -208,6 +195,45 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         run = problems.problem_run(method, problem, start or None, h, t)
     with context.refused(query.readout):
         return context.readout(problems.problem_readouts(run, problem.unknowns))(run)
+
+
+def _problem(context: QueryContext) -> ProblemTable:
+    """The problem of a query: by name, by its rates, y' = λy from 1 or, if it gives none, the oscillator."""
+    from driftproof.enclosure.problem_tables import ProblemTable
+    from driftproof.methods.field_text import field_of_text
+    from driftproof.texts.questions.problems import problem_of_name
+
+    query = context.query
+    if query.problem:
+        return problem_of_name(query.problem.text, {name: x.value for name, x in query.parameters.items()})
+    if "lambda" in query.settings:
+        return ProblemTable(field_of_text([f"({query.settings['lambda'].value})*y0"]), (Fraction(1),), None, ("y",))
+    if not query.rates:
+        return problem_of_name("harmonic_oscillator", {})._replace(unknowns=("q", "v"))
+    names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
+    texts = [rate.text for rate in query.rates]
+    field, energy = field_of_text(texts, names=names), None
+    if query.energy:
+        both = field_of_text([*texts, query.energy.text], names=names)
+        field, energy = replace(field, parameters=both.parameters), both.rates[-1]
+    return ProblemTable(field, (), energy, query.unknowns)
+
+
+def _decay_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
+    """Answer for y' = λy from 1, with R(hλ)^N."""
+    from driftproof.texts.questions.problems import decay_readouts
+
+    query = context.query
+    rate, steps = query.settings["lambda"].value, t / h
+    if steps.denominator != 1 or steps < 1:
+        raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
+    at = f" at {query.at.text}" if query.at else ""
+    try:
+        factor = value(f"stability_function {query.subject.text if query.subject else ''}{at} z={rate * h}")
+    except QuestionError as error:
+        raise context.error(query.subject, error.reason) from None
+    with context.refused(query.readout):
+        return context.readout(decay_readouts(factor, rate, h, int(steps)))()
 
 
 @cache

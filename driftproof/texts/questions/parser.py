@@ -34,7 +34,7 @@ from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, with_greek_spelled, with_time
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
-PROBLEM, RATES, ENERGY = ("problem", "rates", "energy")
+PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
 _NO_SETTING = f"{{}} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}, or a name in your equation"
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 # Sign that is not allowed -> what to write; and what may be the name of a file, with blanks and such signs.
@@ -66,6 +66,7 @@ class Query:
     readout: Token | None = None
     unit: Token | None = None
     problem: Token | None = None
+    started: Token | None = None  # what gives the first values of a multistep method: a method, or exact
     rates: tuple[Token, ...] = ()
     energy: Token | None = None
     unknowns: tuple[str, ...] = ()
@@ -331,9 +332,11 @@ class _QuestionParser(PieceParser):
         return True
 
     def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
-        """Parse problem=NAME, rates=(...), energy=... or a setting, whose = is optional; False if it is none."""
+        """Parse problem=, started=, rates=, energy= or a setting, whose = is optional; False if it is none."""
         if token.text == PROBLEM and self.accept("="):
             self.put(parts, token, PROBLEM, self.take)
+        elif token.text == STARTED and self.accept("="):
+            self.put(parts, token, STARTED, lambda: self.method_name(self.take()))
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
         elif token.text == ENERGY and self.next.text == "=":

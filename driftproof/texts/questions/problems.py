@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial, reduce
+from itertools import count, islice
 from typing import Any
 
 from flint import arb, ctx
 
 from driftproof.enclosure.exact_runs import exact_step
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_values
+from driftproof.enclosure.implicit_runs import implicit_step
+from driftproof.enclosure.multistep_runs import StartedMultistep
 from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.problem_tables import ProblemTable, problem_table
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
+from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import TomlTable, as_table, read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
@@ -48,7 +53,7 @@ class ProblemRun:
     for all runs on a problem.
     """
 
-    method: Method | None
+    method: Method | StartedMultistep | None
     rates: VectorField
     start: tuple[CertifiableReal, ...]
     h: Fraction
@@ -64,7 +69,11 @@ class ProblemRun:
         """Enclosures of the states of the exact run, the start first, in balls of the current precision."""
         assert self.method is not None
         found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
-        if self.steps not in found:
+        if isinstance(self.method, StartedMultistep):
+            if self.steps not in found:
+                with ctx.workprec(ctx.prec + self.method.bits_lost(self.steps)):
+                    found.update(enumerate(islice(self._multistep(), self.steps + 1)))
+        elif self.steps not in found:
             step = exact_step(self.method, self._function, len(self.start))
             found[0] = tuple(enclose(x) for x in self.start)
             for n in range(len(found), self.steps + 1):
@@ -91,15 +100,38 @@ class ProblemRun:
         if not all(isinstance(x, Fraction) for x in y):
             return None
         try:
-            for n in range(self.steps):
-                slopes = self.slopes(n * self.h, y)
-                weights = [self.h * Fraction(b) for b in self.method.b]  # type: ignore[union-attr, arg-type]
-                y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
+            for y in islice(self._exact_states(), self.steps + 1):
                 if sum(x.numerator.bit_length() + x.denominator.bit_length() for x in y) > _LONGEST_EXACT:
                     return None
         except (TypeError, ZeroDivisionError):  # an irrational coefficient, or a function in a rate
             return None
         return y
+
+    def _exact_states(self) -> Iterator[_Row]:
+        """Yield the states in Fractions, the start first. Raises TypeError if they are not rational."""
+        if isinstance(self.method, StartedMultistep):
+            yield from self._multistep(exactly=True)
+        y: _Row = self.start
+        for n in count():
+            yield y
+            slopes = self.slopes(n * self.h, y)
+            weights = [self.h * Fraction(b) for b in self.method.b]  # type: ignore[union-attr, arg-type]
+            y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
+
+    def _multistep(self, exactly: bool = False) -> Iterator[_Row]:
+        """Yield the states of a multistep method, the start first, in balls or `exactly`, which raises TypeError."""
+        assert isinstance(self.method, StartedMultistep)
+        k, starter = self.method.method.steps, self.method.starter
+        if exactly and (starter is None or not self.method.method.explicit):
+            raise TypeError("not from an explicit method")
+        first = self.true(range(k)) if starter is None else self._started(starter, k, exactly)
+        yield from first
+        solved = implicit_step(METHODS["backward_euler"], self._function, len(self.start))
+        yield from self.method.states(self.rate, first, self.h, solved)
+
+    def _started(self, starter: Method, many: int, exactly: bool) -> list[_Row]:
+        run = replace(self, method=starter, steps=many - 1)
+        return [*islice(run._exact_states(), many)] if exactly else run.numerical()
 
     def slopes(self, t: Fraction, y: _Row) -> list[_Row]:
         """The slopes k_j = f(t + c_j h, y + h sum a_jl k_l) of an explicit Runge-Kutta step, in the type of y.
@@ -134,7 +166,11 @@ def _values(function: RightHandSide, t: Any, y: _Row) -> _Row:
 
 
 def problem_run(
-    method: Method | None, problem: ProblemTable, given: tuple[CertifiableReal, ...] | None, h: Fraction, t: Fraction
+    method: Method | StartedMultistep | None,
+    problem: ProblemTable,
+    given: tuple[CertifiableReal, ...] | None,
+    h: Fraction,
+    t: Fraction,
 ) -> ProblemRun:
     """The run to time t with steps of size h from the `given` start, else that of the problem; see ProblemRun.
 
@@ -149,14 +185,22 @@ def problem_run(
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
     if steps > MOST_STEPS_OF_PROBLEM:
         raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are allowed")
-    if isinstance(method, Splitting | Nystrom):
+    if isinstance(method.starter if isinstance(method, StartedMultistep) else method, Splitting | Nystrom):
         rates.second_order()
+    if isinstance(method, StartedMultistep) and steps < method.method.steps:
+        raise ValueError(
+            f"{counted(int(steps), 'step')}: {method.key} makes the first of its own after those of its start"
+        )
     return ProblemRun(method, rates, start, h, int(steps), problem.energy)
 
 
 @lru_cache(maxsize=64)
 def _states(
-    method: Method | None, rates: VectorField, start: tuple[CertifiableReal, ...], h: Fraction, bits: int
+    method: Method | StartedMultistep | None,
+    rates: VectorField,
+    start: tuple[CertifiableReal, ...],
+    h: Fraction,
+    bits: int,
 ) -> dict[Fraction | int, _Row]:
     """The states known so far, by the number of steps or, without a method, by time; filled by its callers."""
     return {}
@@ -212,7 +256,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         **{name: partial(_read, energy) for name, energy in energies.items()},
         "steps": lambda run: Answer("", Fraction(run.steps)),
-        "evaluations": lambda run: evaluations(method, run.steps),
+        **({} if isinstance(method, StartedMultistep) else {"evaluations": lambda run: evaluations(method, run.steps)}),
         **{
             f"{name}.{y}": partial(_read, lambda run, first, end, row=row, i=i: row(run, first, end)[i])
             for name, row in rows.items()

@@ -8,11 +8,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
 from driftproof.methods.expression_tree import Token
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query, parse_question
 
 if TYPE_CHECKING:
+    from driftproof.enclosure.multistep_runs import StartedMultistep
     from driftproof.methods.catalogue import FactsOnly
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
@@ -77,6 +78,25 @@ class QueryContext:
         with self.refused(self.query.subject):
             return method_of(subject)  # which refuses what has facts only
 
+    def method_of_run(self) -> Method | StartedMultistep:
+        """The method that a run names, with what it is started with if it is a multistep one. Raises QuestionError."""
+        from driftproof.enclosure.multistep_runs import StartedMultistep
+        from driftproof.methods.multistep import Multistep
+        from driftproof.methods.tableau_file import method_of
+
+        found, started = self.subject(), self.query.started
+        if not isinstance(found, Multistep):
+            if started is not None:
+                raise self.error(started, "started=METHOD is for multistep methods; others start by themselves")
+            return self.method()
+        if started is None:
+            hint = self.ask_for(" started=rk4" + " h=0.1 t=1" * (not self.query.settings), "error")
+            more = counted(found.steps - 1, "more value")
+            said = f"{found.key} needs {more} than the start: say started=rk4, or another method of one step, or"
+            raise self.error(self.query.subject, f"{said} started=exact{hint}")
+        with self.refused(started):
+            return StartedMultistep(found, None if started.text == "exact" else method_of(started.text))
+
     def subject(self) -> Method | Family | FactsOnly:
         """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
         from driftproof.methods.expressions import parse_number
@@ -96,10 +116,12 @@ class QueryContext:
             return found.member(parse_number(at.text, found.parameter))
 
     def require_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
-        """Raise QuestionError for any part but these settings, words, and `parts`: start, readout, unit, problem."""
+        """Raise QuestionError for any part but these settings, words, and `parts`, such as start, readout and unit."""
         query = self.query
         if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
+        if query.started is not None and "started" not in parts:
+            raise self.error(query.started, f"{self.head} takes no started= here; leave it out")
         if query.energy is not None and not query.rates:
             raise self.error(
                 query.energy, "energy goes with equations such as y'=v, v'=-y; a problem has it in its file"

@@ -8,6 +8,11 @@ from driftproof.texts.claims.places import asked_quantity
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 
+ABOVE = """The error is {}.
+
+| h | AB2 |
+| 0.5 | 0.77 |
+"""
 TABLE = """We take h = 0.1.
 
 | t | Euler | error | RK4 | error |
@@ -110,3 +115,8 @@ def test_a_place_is_sure_of_its_time_if_that_stands_in_its_row_or_sentence():
         ("t = 1\n| h | y |\n| 0.1 | 0.77 |", True),
     ):
         assert place(text, "0.77").sure is sure, text
+
+
+@pytest.mark.parametrize(("said", "quantity"), [("0.3", "state"), ("shown below", "error")])
+def test_a_quantity_above_a_table_is_that_of_the_table_unless_its_own_value_is_given(said, quantity):
+    assert place(ABOVE.format(said), "0.77").quantity == quantity

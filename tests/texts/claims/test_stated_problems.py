@@ -290,3 +290,33 @@ def test_equations_that_stand_again_have_the_numbers_of_both_places_and_their_fi
         for one, (start, steps) in zip(runs, (("y(0)=1", "h={0.1}, t={1}"), read), strict=True):
             assert f"y'=-y, {start}, {steps} : " in one
     assert stated("y' = -y with h = 0.5 to t = 2. And again y' = -y with h = 0.1.") == []
+
+
+@pytest.mark.parametrize(
+    ("said", "started"),
+    [
+        ("The first step is one of RK4.", ["rk4"]),
+        ("It is started with Heun's method; RK4 is for comparison.", ["heun2"]),
+        ("We compare with RK4.", ["rk4"]),
+        ("", ["exact"]),
+        ("The first value is exact: we start from the exact solution. RK4 comes later.", ["exact"]),
+    ],
+)
+def test_multistep_method_is_started_as_the_text_says_or_by_a_method_that_it_names(said, started):
+    found = stated(f"y' = -y, y(0) = 1, by AB2 with h = 0.1. {said} At t = 1")
+    runs = [one for one in found if "{adams_bashforth2}" in one]
+    assert sorted({re.search(r"started=(\w+)", one)[1] for one in runs}) == started
+
+
+def test_method_that_starts_another_one_is_not_that_of_the_numbers():
+    text = (
+        "y' = y (1 - y), y(0) = 0.5, with AB2 and h = 0.1; the first step is taken with RK4. At t = 2 we get y = {}, "
+        "where the exact solution is 0.88080."
+    )
+    right, wrong = (Suggestions(text.format(x)) for x in ("0.88092", "0.88192"))
+    (number,) = (x for x in numbers_in(right.text) if x.text == "0.88092")
+    assert right.look_alikes(number)[0].strong
+    assert not right.slips(number)
+    assert " started=rk4 " in right.look_alikes(number)[0].question
+    (number,) = (x for x in numbers_in(wrong.text) if x.text == "0.88192")
+    assert [*wrong.slips(number).values()] == ["0.88092"]

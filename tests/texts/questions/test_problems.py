@@ -291,3 +291,56 @@ REFUSED = [
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_has_no_answer_is_refused_at_its_column(question, column, reason):
     require_refusal(question, column, reason)
+
+
+@pytest.mark.parametrize(
+    ("question", "exact"),
+    [
+        ("run ab2 started=Euler y'=-y, y(0)=1, h=1/10, N=2 : y", Q(163, 200)),
+        ("run AB2 with started=rk4, lambda=-1 h=1/10 N=1000 : steps", 1000),
+        ("run adams_bashforth3 started=forward_euler h=1/10 N=3 : q", Q(193, 200)),  # the oscillator
+        ("step two_step_leapfrog started=heun2 h=1/2 N=2 : q", Q(1) + 2 * Q(1, 2) * Q(-1, 2)),
+    ],
+)
+def test_multistep_method_runs_with_what_starts_it(question, exact):
+    assert value(question).exact == exact
+
+
+def test_bdf2_started_by_backward_euler_is_its_recurrence():
+    y = [Q(1), Q(10, 11)]
+    for _ in range(9):
+        y.append((4 * y[-1] - y[-2]) / (3 + Q(2, 10)))
+    question = "run bdf2 started={} y'=-y, y(0)=1, h=1/10, t=1 : y"
+    assert float(value(question.format("backward_euler")).digits(15)) == pytest.approx(float(y[-1]), rel=1e-14)
+    assert value(question.format("rk4")).digits(9) != value(question.format("backward_euler")).digits(9)
+
+
+def test_multistep_method_started_exactly_shows_its_order():
+    """The ratio of the errors at h and h/2 tends to 2 to the power of the order."""
+    for key, order in (("ab2", 2), ("ab4", 4), ("bdf3", 3)):
+        run = f"run {key} started=exact y'=y(1-y), y(0)=1/2, t=2 h={{}} : error"
+        ratio = value(f"ratio({run.format('1/40')}, {run.format('1/80')})").digits(5)
+        assert abs(math.log2(float(ratio)) - order) < 0.2, key
+
+
+@pytest.mark.parametrize(
+    ("question", "column", "said"),
+    [
+        ("run ab2 h=1/10 t=1 : q", 5, "needs 1 more value than the start: say started=rk4"),
+        (
+            "run ab3 y'=-y, y(0)=1, h=1/10, t=1 : y",
+            5,
+            "ask for example: run ab3 y'=-y, y(0)=1, h=1/10, t=1 started=rk4 : y",
+        ),
+        ("run rk4 started=Euler h=1/10 t=1 : q", 17, "is for multistep methods"),
+        ("run stormer2 started=Euler h=1/10 t=1 : q", 22, "gives positions only"),
+        ("run ab2 started=ab3 h=1/10 N=2 : q", 17, "is a linear multistep method"),
+        ("run ab3 started=Euler h=1/10 N=2 : q", 1, "2 steps: adams_bashforth3 makes"),
+        ("run ab2 started=verlet h=1/10 t=1 : q", 17, "may mean velocity_verlet"),
+        ("run ab2 started=velocity_verlet y'=-y, y(0)=1, h=1/10, t=1 : y", 36, "second-order"),
+        ("order started=rk4 ab2", 15, "takes no started= here"),
+        ("run ab2 started=rk4 started=rk4 h=1/10 t=1 : q", 21, "given twice"),
+    ],
+)
+def test_multistep_method_without_a_start_or_with_a_wrong_one_is_refused(question, column, said):
+    require_refusal(question, column, said)
