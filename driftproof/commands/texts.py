@@ -149,8 +149,9 @@ def check_command(options: Namespace) -> str:
         if options.run or options.coverage or options.format != "text":
             raise ValueError("--run, --coverage and --format have no effect with --init")
         drafted = str(check(text, init=True, ask=options.ask))
-        if slips := drafted.count(SLIP):
-            sys.stderr.write(f"{text}: {counted(slips, 'number')} to look at; the draft says what{SLIP}\n")
+        if slips := [line[2:] for line in drafted.splitlines() if SLIP in line]:
+            sys.stderr.write(f"{text}: {counted(len(slips), 'number')} to look at:\n")
+            sys.stderr.writelines(f"  {line}\n" for line in slips)
         return drafted
     texts = [text] if options.claims else [found for given in options.text for found in texts_with_claims(given)]
     asked = {name: getattr(options, name) for name in ("claims", "ask", "coverage", "run")}

@@ -15,6 +15,7 @@ from driftproof.texts.values.published import published_values
 _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
     "real_limit": ("real", "imaginary"),
+    "angle": ("angle|α|alpha", "imaginary|real"),
     "error_constant": ("error constant", "dispersion|dissipation|limit|r"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
@@ -37,19 +38,21 @@ _SYMBOLS = {"order": "p", "stages": "s", "steps": "n", "evaluations": "n", "q": 
 _SYMBOLS |= {"real_limit": "hzxλ", "imaginary_limit": "hzyωλ"}
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
-_IN_FORMULA = (r"(?:[+*/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
+_IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
 # What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
 # What a text says about the first values of a multistep method.
 STARTING = re.compile(
-    r"(?:(?![.;,]\s)[\s\S]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))(?:(?![.;]\s)[\s\S]){0,100}"
+    r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))(?:(?![.;]\s)[^|()]){0,100}"
 )
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
+# The unit of a time, as in day 20.
+TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 SETTING = {x: re.compile(rf"(?<![\w.]){said}\s?=\s?{POSITIVE}") for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))}
 
 
@@ -159,6 +162,11 @@ def without_starters(text: str) -> str:
     return STARTING.sub(lambda clause: _spoken_names().sub(blank, clause[0].replace("-", " ")), text)
 
 
+def begins_with_method(text: str) -> bool:
+    """True if the lower-case text begins with the name of a method."""
+    return _spoken_names().match(_flat(text)) is not None
+
+
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
     return [(match.start(), _names()[match[0]]) for match in _spoken_names().finditer(_flat(text))]
@@ -173,14 +181,20 @@ def _names() -> dict[str, set[str]]:
     found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, method.title, *also_known_as(key)):
-            found.setdefault(_flat(name.lower()), set()).add(key)
+            name = _flat(name.lower())
+            for form in (
+                name,
+                re.sub(r"(?<=[a-z])(?=[0-9])", " ", name),
+                re.sub(r" (?:method|rule|scheme)$", "", name),
+            ):
+                found.setdefault(form, set()).add(key)
     return found
 
 
 @cache
 def _spoken_names() -> re.Pattern[str]:
     """A pattern that matches the longest method name at each place."""
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b")
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b(?![.,/][0-9])")
 
 
 def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:

@@ -7,13 +7,13 @@ import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
-from driftproof.texts.claims.contradictions import methods_named
+from driftproof.texts.claims.contradictions import begins_with_method, methods_named
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in
@@ -37,7 +37,7 @@ _SETTING = re.compile(
 )
 _LONGEST_SETTING = 20
 # The head of a column of such numbers.
-_HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[].*)?")
+_HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[](?![0-9]).*)?")
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
 _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
@@ -83,6 +83,8 @@ class _Member:
             setting = None
         if number.start in equations:
             strong, setting = False, equations[number.start]
+        for done in suggestions.calculated.values():
+            setting = done.start if done.start <= number.start < done.result else setting
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
     @property
@@ -128,12 +130,17 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
         drafted.append("# Read from the text:\n" + "".join(f"# --ask {_quoted(one)}\n" for one in suggestions.stated))
+    questions = {member.number.start: member.alike[0].question for member in members if member.strong}
     for *room, group in _uncovered([*_groups(text, members, fences)], fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number
         place = "line {}, column {}".format(*document.position(first.start))
         phrase, stands = search.phrase(room, group)
+        meant = [[questions.get(at + member.number.start - first.start) for member in group] for at in stands]
+        if any(one != meant[0] for one in meant):  # the same words and numbers elsewhere do not mean the same
+            group = [replace(member, strong=False) for member in group]
+            phrase, stands = search.phrase(room, group)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
         drafted.append(_claim(group, phrase, len(stands), place, ids) if stands else claim)
@@ -260,12 +267,14 @@ class _Search:
             heads = text[above:line]
             is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
             return max(least, above) if is_first else first
+        begins, named = start, set[str]()
         for word in reversed(words[-_MOST_WORDS:]):
-            if re.search(r"[.;?!]\s", text[word:start]):
+            said = text[word:start].lower()
+            longer = methods_named(said)
+            if re.search(r"[.;?!]\s", said) or (named == longer and named and not begins_with_method(said)):
                 break
-            if methods_named(text[word:start].lower()):
-                return min(first, word)
-        return first
+            begins, named = word if longer else begins, longer  # "backward Euler" is no "Euler"
+        return min(first, begins)
 
     def _found(self, phrase: str, group: _Group, first: int, last: int) -> set[int]:
         """The positions of the first number in all matches of the phrase, which was drafted from text[first:last]."""

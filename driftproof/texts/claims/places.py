@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_methods_named, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import (
+    POSITIVE,
+    SETTING,
+    TIME_UNIT,
+    last_methods_named,
+    methods_named,
+    sentence_around,
+)
 from driftproof.texts.claims.tables import Cell
-from driftproof.texts.readers.number_words import counts_of_steps
+from driftproof.texts.questions.pieces import with_greek_spelled
+from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
@@ -28,19 +36,22 @@ _AFTER = re.compile(
     r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
-_NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
+_NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
 _UNKNOWN = re.compile(rf"{_NAME}\Z")
 # The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
 _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
 # A time is also given by the value of an unknown then, as in y(1).
-_TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|[^\W\d]\w*\((?=[0-9./]*\))){POSITIVE}")
+_VALUE_AT = r"(?!(?:range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
+_TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the column of an unknown, and of a row whose number is that of a step.
-_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_])(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
+_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
+_OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 _HEADS = {
     "h": r"h|dt|δt|step ?size",
-    "t": r"t(?:_[ni])?|t_\{?n\}?|(?:time|day|hour|minute|second|week|year)s?",
+    "t": rf"t(?:_[ni])?|t_\{{?n\}}?|time|{TIME_UNIT}s?",
     "n": r"n|(?:number of |n_?)?steps",
 }
+_LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns of a table have them.
 _SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 # Characters before a number that are searched for a step size or time, and for a method.
@@ -52,13 +63,28 @@ _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 
 @dataclass(frozen=True)
 class Place:
-    """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time."""
+    """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time.
+
+    The row or the sentence of the number gives the settings `near`, and each of them one value.
+    """
 
     methods: frozenset[str]
     settings: dict[str, Fraction]
     quantity: str | None
     unknown: str | None
     sure: bool = False
+    near: frozenset[str] = frozenset()
+
+    def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
+        """True if a method of the question is named here, no other time, and its step size among `sizes`."""
+        asked = _asked_settings(question)
+        timed = not asked["t"] or self.settings.get("t") in (None, *asked["t"])
+        return not methods.isdisjoint(self.methods) and timed and {*sizes} >= {*asked["h"]}
+
+    def denies(self, question: str) -> bool:
+        """True if the row or the sentence gives another step size or time than the question asks for."""
+        asked = _asked_settings(question)
+        return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
 
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
@@ -99,16 +125,18 @@ def asked_quantity(question: str) -> tuple[str, str]:
     return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
 
 
-def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Collection[str]) -> Place:
+def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Mapping[str, str]) -> Place:
     """The place of the number from `start` to `end` of a text in lower case; `row` is its table's, else empty.
 
     The names of `unknowns`, in lower case, may have an index, as N_1 does; the index of any other is that of a step.
+    They are the names in questions, by those in the text: v by dx too, if x' = v.
     """
     heads = [_SHORT_HEADS.get(cell.head, cell.head) for cell in row if cell.start <= start]
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
-    settings, sure, near_h = _settings(text, (start, end), (before, after), row, head)
+    settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
-    if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
+    if not _QUANTITY.search(head) and (methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)):
+        # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
@@ -123,27 +151,39 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
                 name = f"{name}_{n}"
             elif n and "h" in settings:
                 settings["t"], sure = int(n) * settings["h"], True
-    elif (of_column := _HEAD_OF_UNKNOWN.fullmatch(head)) and not said:
+    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
     if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
-    if quantity == "ratio" and not near_h:  # which of several pairs of step sizes is not said
+    if quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
-    methods = methods or methods_named(" ".join(cell.text for cell in row))
+    methods = methods or methods_named(" | ".join(cell.text for cell in row))
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
     methods = methods or (methods_named(by[1]) if by else set())
-    methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
-    return Place(frozenset(methods), settings, quantity, name, sure and quantity is not None)
+    if not methods and not _is_labelled(text, start, row):  # by a name that is none of a method
+        methods = last_methods_named(text[max(0, start - _NEAR) : start], after)
+    if name:
+        name = f"d{name[:-1]}" if name.endswith("'") else name
+        name = unknowns.get(spelled := with_greek_spelled(name), spelled)
+    return Place(frozenset(methods), settings, quantity, name, sure and quantity is not None, near & settings.keys())
+
+
+def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:
+    """True if the row of a table, or the item of a list, begins with words, which name what its numbers are of."""
+    if row:
+        label = next((cell.text for cell in row if cell.text), "")
+        return re.search(r"[^\W\d]{2}", label) is not None
+    return _LABEL_OF_ITEM.match(text, text.rfind("\n", 0, start) + 1, start) is not None
 
 
 def _settings(
     text: str, span: tuple[int, int], sentence: tuple[str, str], row: Sequence[Cell], head: str
-) -> tuple[dict[str, Fraction], bool, bool]:
-    """Step size and time there: of the row, the head, the sentence, or the last before it; is time, step size near?"""
+) -> tuple[dict[str, Fraction], frozenset[str], bool]:
+    """Step size and time of the row, the head, the sentence, or the last before it; which are near; is the time?"""
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
     of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in "htn"}
@@ -154,16 +194,17 @@ def _settings(
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
-    counts = [int(number) for number in of["n"] if re.fullmatch("[1-9][0-9]*", number)][-1:]
+    counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
     taken = counts * of_step if row else [] if near["t"] else counts_of_steps(before)[-1:]
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
-    elif counts and "t" in settings and "h" not in settings:
+    elif counts and "t" in settings and not near["h"]:
         settings["h"] = settings["t"] / counts[0]
-    return settings, bool(row or near["t"] or taken), bool(near["h"])
+    one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
+    return settings, one, bool(row or near["t"] or taken)
 
 
 def is_head_of(setting: str, head: str) -> bool:
     """True if the head of a column, in lower case, is that of values of h, t or the number of steps."""
-    return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[].*)?", head) is not None
+    return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[](?![0-9]).*)?", head) is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -14,23 +14,23 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import STARTING, methods_named
+from driftproof.texts.claims.contradictions import STARTING, TIME_UNIT, methods_named
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_time
-from driftproof.texts.readers.number_words import counts_of_steps
+from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS = 10_000, 3
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS = 10_000, 3, 2
+_USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
 _SIZES = re.compile(rf"(?:(?<!\w)(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
-_TIMES = re.compile(rf"(?<!\w)[tT] ?[=∈] ?[{{(]?({_LIST})")
-_COUNTS = re.compile(r"(?<!\w)[nN] ?= ?([1-9][0-9]{0,3})(?![\w.])")
+_TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
@@ -38,13 +38,17 @@ _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _FACTOR = r"(?:[0-9]+(?:\.[0-9]+)?|(?:[A-Za-z]|[α-ω])(?:_\w)?(?![A-Za-z]))"
 _LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)?\Z")
 _LONGEST_LEAD = 40
-_ENERGY = re.compile(r"(?<!\w)(?:H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?(?P<energy>[^=≤≥≈<>:;]{1,200})")
+_ENERGY = re.compile(
+    r"(?<!\w)(?:(?:H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
+    r"[A-Z] ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))(?P<energy>[^=≤≥≈<>:;]{1,200})"
+)
 _EQUATION = re.compile(
     r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
     r"(?P<name>[α-ω](?:_\w|[0-9])?|(?![α-ω])[^\W\d][^\Wα-ω]{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
+_ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
 _ALONE = re.compile(rf"{_NUMBER}\s*(?:[,.;)]|and\b|$)")
 # Characters after the last equation in which x = 1 without a time is a start.
 _NEAR = 150
@@ -115,7 +119,7 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
     """The spans of equations such as y' = -2y, whose numbers the text chooses; not of slopes, as in y' = -9."""
     for match in _EQUATION.finditer(text):
-        if _ALONE.match(match["rate"]) and not match["rate"].startswith("0"):
+        if _ALONE.match(match["rate"]) and not _ZERO.match(match["rate"]):
             continue
         rate = re.split(r"\n|[.;](?!\d)", _first(match["rate"]))[0]
         yield match.start(), match.start("rate") + len(rate)
@@ -195,24 +199,25 @@ def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
     part, at = with_greek_spelled(problem.part), problem.at
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
-    sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
+    sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, COUNT_GIVEN, value_at))
     times += also
-    said, rows = counts_of_steps(part), set[int]()
+    said, rows, counts_of_runs = counts_of_steps(part), set[int](), [*counts]
     counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
     for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
-        for letter, into in (("h", sizes), ("t", times), ("n", counts)):
+        for letter, into in (("h", sizes), ("t", times), ("n", counts_of_runs)):
             if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
                 into.append(Fraction(number.text))
                 rows |= {int(number.text)} if letter == "n" and number.text.isdigit() else set()
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
-    if not sizes:
-        sizes = sorted({t / n for t in times for n in counts if n})
+    counts, of_steps = counts + counts_of_runs, {1, 2} <= rows  # numbers of steps, not of runs
+    if (counts_of_runs and not of_steps and len(times) <= _MOST_ENDS) or not sizes:
+        sizes = sorted({*sizes, *(t / n for t in times for n in (counts_of_runs or counts) if n)})
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
     after |= {1} if re.search(r"k_?1\b", part) else set()
-    after |= rows - {0} if {1, 2} <= rows else set()  # numbers of steps, not of runs
+    after |= rows - {0} if of_steps else set()
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
     known = multistep | {*METHODS}
@@ -222,7 +227,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
     many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
     named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
-    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part, chosen)]
+    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
@@ -252,13 +257,11 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
                 yield f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
 
 
-def _starters(part: str, chosen: Sequence[str]) -> list[str]:
-    """What the text says that first values of a multistep method come from, else any method of one step it names."""
+def _starters(part: str) -> list[str]:
+    """What the text says that first values of a multistep method come from, else all that is usual."""
     sentences = " ".join(STARTING.findall(part.lower()))
     said = [key for key in METHODS if key in methods_named(sentences)]
-    if "exact" in sentences or not (said or chosen):
-        return [*said, "exact"][:_MOST_STARTERS]
-    return [*(said or chosen)][:_MOST_STARTERS]
+    return [*said[:_MOST_STARTERS], *["exact"] * ("exact" in sentences)] or [*_USUAL_STARTERS]
 
 
 def _shown(x: Fraction) -> str:
@@ -276,7 +279,7 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw))  # y(t)
     for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", text):
         raw = raw.replace(ratio, value)
-    raw = _plain(raw)
+    raw = re.sub(rf"(\^[0-9]+) (?=(?:{'|'.join(names)})\b)", r"\1*", _plain(raw))  # L^2 dtheta^2
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])"
     bracket = rf"\((?:[-+0-9(]|(?:{'|'.join(names)})\b)"
@@ -309,7 +312,8 @@ def _meant(word: str, names: list[str], text: str) -> str:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
         return f"({written})"
-    if {*word} <= {"t", *names} or (word[-1] in names and word.isalpha() and word != "by"):
+    product = word[-1] in names or (len(word) == 2 and not word.islower())  # such as gL
+    if {*word} <= {"t", *names} or (product and word.isalpha() and word != "by"):
         return "*".join(_meant(letter, names, text) for letter in word)
     raise LookupError(word)
 

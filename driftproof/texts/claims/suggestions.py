@@ -18,6 +18,7 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
+from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit, without_starters
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
@@ -99,6 +100,7 @@ class Suggestions:
         self._places: dict[int, Place] = {}
         self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
+        self.calculated = {one.result: one for one in calculations_in(text)}
         self.stated = stated_questions(text, self.tables.column_of)
         if any(" started=" in one for one in self.stated):
             self._lower = without_starters(self._lower)
@@ -111,6 +113,13 @@ class Suggestions:
             except (ValueError, ZeroDivisionError):
                 return []
             self._alike[number.start] = self._look_alikes(number, x)
+            done = self.calculated.get(number.start)
+            if (
+                done
+                and not any(one.strong for one in self._alike[number.start])
+                and spelled(number) in _printed(done, number)
+            ):
+                self._alike[number.start].insert(0, LookAlike(done.question, form_of(number), strong=True))
         return self._alike[number.start]
 
     def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
@@ -121,17 +130,21 @@ class Suggestions:
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
-        placed = self._place_of(number).sure and any(known.stated for known in meant)
+        place = self._place_of(number)
+        placed = place.sure and any(known.stated for known in meant)
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
+            denied |= known.stated and place.denies(known.question)
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             elsewhere = placed and known.stated and known not in meant
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits
             strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
+            named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
+            strong = strong and (asked or named)  # no guess
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
@@ -163,15 +176,19 @@ class Suggestions:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
 
         An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
-        limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
+        limit needs four and its names in the sentence: one number in 180 is by chance a slip for a given value.
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
         found, written = dict[str, str](), self._written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
+        if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
+            printed = _printed(done, number)
+            return {done.question: printed[0]} if printed and digits > 1 else {}
         if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
+            right = any(known.stated for one in alike for known in self._known if known.question == one.question)
             other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
@@ -179,12 +196,12 @@ class Suggestions:
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
                         continue  # the force at the start, which a code may need once more
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
-                    sure = (sure and not known.stated) or digits > 5
+                    sure = (sure and not known.stated) or (digits > 5 and not right)
                     sure |= known.question in meant and (
                         digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
-                    if known.question.startswith(_LIMITS) and slip in others and digits > 4:
+                    if known.question.startswith(_LIMITS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(known.question, *place) else {}
             if not found and digits > 2 and self._place_of(number).sure:
@@ -192,12 +209,17 @@ class Suggestions:
         return {question: slip for question, slip in found.items() if question in meant} or found
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
-        """The one value that the number's place names, if that is near to it, or the number has another h or t."""
+        """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
-        others = {_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question)}
-        near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
-        found = near or {x: y for x, y in named.items() if digits > 3 and _SIZE.sub("", x) in others}
+        found = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
+        if not found and digits > 3:
+            part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
+            runs = (_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question))
+            others = {x for run in runs for x in (run, run.rpartition(part)[0])}
+            found = {
+                x: y for x, y in named.items() if {(run := _SIZE.sub("", x)), run.rpartition(part)[0]} & others - {""}
+            }
         return found if len({*found.values()}) == 1 else {}
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
@@ -226,8 +248,17 @@ class Suggestions:
         return self._places[number.start]
 
     @cached_property
-    def _unknowns(self) -> set[str]:
-        return {name.lower() for one in (*self.asked, *self.stated) for name in re.findall(r"(\w+)'=", one)}
+    def _sizes(self) -> set[Fraction]:
+        """The step sizes that the text gives."""
+        return {*map(Fraction, SETTING["h"].findall(self._lower))}
+
+    @cached_property
+    def _unknowns(self) -> dict[str, str]:
+        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
+        asked = " ".join((*self.asked, *self.stated)).lower()
+        names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
+        speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
+        return speeds | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:
         """The values that the place of the number names."""
@@ -329,6 +360,13 @@ class Suggestions:
                 raise
 
         return replace(answer, exact=ball)
+
+
+def _printed(done: Calculation, number: TextNumber) -> list[str]:
+    """What a calculation gives, spelled in the form of the number; [] for a tie."""
+    with suppress(ValueError):
+        return form_of(number).spellings(done.answer)
+    return []
 
 
 @cache

@@ -11,6 +11,8 @@ from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
 _CELL = re.compile(r"\|\|?|!!|^!")
+# A head in bold on a page of a wiki.
+_BOLD = re.compile(r"\A'{2,3}(.*)'{2,3}\Z")
 
 # Characters before a number that are searched for the head of its table.
 _FARTHEST = 2000
@@ -49,7 +51,7 @@ class TextTables:
         above = self._text[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
         for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
-                named = [cell.strip(" '") for cell in cells]
+                named = [_BOLD.sub(r"\1", cell.strip()) for cell in cells]
                 heads |= {i: cell or "".join(below[i : i + 1]) for i, cell in enumerate(named)}
                 below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
         ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]

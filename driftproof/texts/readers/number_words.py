@@ -34,7 +34,8 @@ _CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\
 # "one" by itself is more often a pronoun; it counts after a word for counting.
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
 
-
+# A number of steps as N = 100.
+COUNT_GIVEN = re.compile(r"(?<!\w)[nN] ?= ?([1-9][0-9]{0,4})(?![\w.])")
 # A count of steps in digits or, below twenty, in words.
 _STEPS = re.compile(rf"(?<![\w.])([0-9]{{1,5}}|{_UNIT}) (?:time |equal )?step(?:s\b|\b(?! ?size))", re.IGNORECASE)
 

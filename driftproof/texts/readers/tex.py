@@ -45,6 +45,7 @@ _FRACTION = re.compile(
     r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
     rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
+_SINGLE = re.compile(r"\s*(?:[0-9]+(?:\.[0-9]+)?|[^\W\d]\w*|\\[A-Za-z]+)\s*")
 _PRIMES = re.compile(r"\^\s*(?:\{(?:\s*\\prime(?![A-Za-z]))+\s*\}|\\prime(?![A-Za-z]))")
 # A derivative in time: x' with the prime after the index, as in x_1'.
 _DOTS = re.compile(
@@ -140,9 +141,9 @@ def _inside(match: re.Match[str]) -> Iterable[Piece]:
 
 
 def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
-    """The first of these groups that matched, in brackets unless it is a single number or name."""
+    """The first of these groups that matched, in brackets unless it is a single number, name or command."""
     name = next(name for name in names if match[name] is not None)
-    single = (x := match[name].strip()).isdigit() or x.isidentifier()
+    single = _SINGLE.fullmatch(match[name])
     return [match.span(name)] if single else ["(", match.span(name), ")"]
 
 

@@ -78,7 +78,7 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
     [
         ("from 1.5 " + "y" * 23 + " 2.5", ["from 1.5 " + "y" * 23 + " 2.5"]),
         ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
-        ("at 0.5x is 0.877604", ["at 0.5x", "is {value}"]),
+        ("RK4 at 0.5x is 0.877604", ["RK4 at 0.5x", "is {value}"]),
         ("from 1.5 to 0.33 % of it", ["from 1.5 to 0.33 %"]),
         ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
         ("rk4 2.828427125/3(17", ["rk4 {value}/", "/3(17"]),  # 3 belongs to the next phrase
@@ -289,3 +289,19 @@ def test_a_drafted_value_is_bound_to_its_row_the_heads_and_the_method_before_it(
     for text, holds in ((PINNED, True), (PINNED.replace(old, new), False)):
         found = [each.findings for each in check_claims(document_of(text, "markdown"), claims)]
         assert (not any(found)) is holds
+
+
+def test_a_phrase_begins_with_the_whole_name_of_its_method():
+    text = "For y' = -y, y(0) = 1 and h = 0.1:\n\n* backward Euler: y(1) ≈ 0.385543\n* forward Euler: y(1) ≈ 0.348678\n"
+    drafted = draft(document_of(text, "markdown"), "a")
+    assert 'phrase = "backward Euler: y(1) ≈ {value}"' in drafted
+    assert 'phrase = "forward Euler: y(1) ≈ {value}"' in drafted
+
+
+def test_same_words_with_another_meaning_elsewhere_are_no_claim():
+    """The second row repeats the first one's number: its phrase would cover both."""
+    rows = "| t | other | RK4 |\n| 0.8 | 7.41 | 0.449329 |\n| 0.9 | 7.41 | {} |\n"
+    text = f"For y' = -y, y(0) = 1 with h = 0.1:\n\n{rows}"
+    repeated, right = (draft(document_of(text.format(x), "markdown"), "a") for x in ("0.449329", "0.406570"))
+    assert re.findall(r'^value = "(.*)"', repeated, re.MULTILINE) == []
+    assert len(re.findall(r'^value = "(.*)"', right, re.MULTILINE)) == 2

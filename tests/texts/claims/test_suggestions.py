@@ -43,7 +43,8 @@ def test_best_suggestion_is_the_value_whose_names_are_near(text, best):
 
 
 def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so():
-    assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
+    for text, strong in (("RK4 with h = 1/2: 0.877604", [True, True]), ("about 0.877604", [False, False])):
+        assert [candidate.strong for candidate in suggested(text)[-1]] == strong, "of which method?"
     for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
         assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
     assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
@@ -174,7 +175,8 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     other = "RK4 is stable on the imaginary axis to 2.7835.", "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")
     three = Suggestions(four.replace("73.53", "74.3"), ["angle {bdf3,bdf4}"])  # 73.4
     assert not three.slips(numbers_in(three.text)[-1])
-    for text in (four, limits.replace("RK4", "Heun"), *other):
+    assert [*Suggestions(four).slips(numbers_in(four)[-1])] == ["angle bdf4"]
+    for text in (four.replace("angle of ", ""), limits.replace("RK4", "Heun"), *other):
         assert not Suggestions(text).slips(next(x for x in numbers_in(text) if "." in x.text)), text
     row = Suggestions("| 0.6 | 0.182 |", ASKED)
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
@@ -305,3 +307,74 @@ def test_exponents_of_any_program_are_read(spelled):
 
 def test_questions_are_asked_of_a_draft_only(refusal):
     assert "--ask needs --init" in refusal("check", "a.md", "--claims", "c.toml", "--ask", "pi")
+
+
+NO_METHODS = """The tower is 2.828 m high and 1.414 m wide, a cup holds 1.0625 litres, the error rate was 2.390297
+and the limit is 2.828. 337/384 of all guests came back, the state has 0.877604 of them. At t = 10 the energy is
+0.499933."""
+
+
+def test_a_text_without_methods_has_no_value_of_one_by_chance():
+    suggestions, numbers = Suggestions(NO_METHODS), [x for x in numbers_in(NO_METHODS) if x.text != "10"]
+    alike = {x.text: suggestions.look_alikes(x) for x in numbers}
+    assert len(alike) == 7
+    assert all(alike.values()), "each is a value of the lesson"
+    assert not [one for some in alike.values() for one in some if one.strong]
+
+
+COPIES = """Let y' = -2y, y(0) = 1: with h = 0.1 Heun's method gives 0.137448 at t = 1; {} it gives {}.
+
+| t | Heun, h = 0.1 |
+| 0.5 | {} |
+| 1.0 | 0.137448 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("where", "x", "y"), [("with h = 0.05", "0.137448", "0.370740"), ("at t = 0.5", "0.137448", "0.137448")]
+)
+def test_a_number_copied_to_another_step_size_or_time_is_no_value(where, x, y):
+    text = COPIES.format(where, x, y)
+    suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if len(x.text) > 6]
+    strong = [bool(found) and found[0].strong for found in map(suggestions.look_alikes, numbers)]
+    assert strong == [True, False, y == "0.370740", True]
+    if y == x:  # the row says the time
+        assert [*suggestions.slips(numbers[2]).values()] == ["0.370740"]
+
+
+SWAPPED = """x' = v, v' = -4x, x(0) = 1, v(0) = 0 with h = 0.1 at t = 1:
+
+| method | x | x' |
+| Heun | {} | {} |
+"""
+
+
+def test_unknowns_that_are_exchanged_are_slips_and_a_velocity_has_its_column():
+    run = "run heun2 x'=v, v'=-4x, x(0)=1, v(0)=0, h=0.1, t=1 : {}"
+    x, v = (value(run.format(name)).places(6) for name in "xv")
+    for row, strong, slips in (((x, v), [True, True], [None, None]), ((v, x), [False, False], [x, v])):
+        text = SWAPPED.format(*row)
+        suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if len(x.text) > 6]
+        assert [suggestions.look_alikes(x)[0].strong for x in numbers] == strong
+        assert [next(iter(suggestions.slips(x).values()), None) for x in numbers] == slips
+
+
+@pytest.mark.parametrize("label", ["odeint", "Kutta's new method", "LSODA"])
+def test_a_row_or_an_item_of_another_program_is_of_no_method(label):
+    """The value of Kutta's method is near: of Heun's it would be a slip."""
+    for line in ("| Heun | 0.368541 |\n| {} | 0.367862 |", "* Heun: 0.368541\n* {}: 0.367862"):
+        text = f"y' = -y, y(0) = 1, h = 0.1. At t = 1:\n\n| method | y |\n{line.format(label)}"
+        suggestions = Suggestions(text)
+        right, other = (x for x in numbers_in(text) if len(x.text) > 6)
+        assert suggestions.look_alikes(right)[0].strong
+        assert not suggestions.slips(other), line
+
+
+def test_columns_for_numbers_of_steps_give_their_step_sizes_beside_one_in_the_text():
+    text = "P' = 0.6 P (1 - P/100), P(0) = 10 with h = 0.5. Errors at t = 5:\n\n"
+    text += "| method | N = 10 | N = 40 |\n| RK4 | {} | {} |"
+    run = "run rk4 P'=0.6*P*(1-P/100), P(0)=10, t=5, N={} : error"
+    text = text.format(*(value(run.format(n)).digits(4) for n in (10, 40)))
+    suggestions, numbers = Suggestions(text), numbers_in(text)[-2:]
+    assert [suggestions.look_alikes(x)[0].strong for x in numbers] == [True, True]
+    assert ["h=0.5," in suggestions.look_alikes(x)[0].question for x in numbers] == [True, False]
