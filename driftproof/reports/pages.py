@@ -38,7 +38,7 @@ class Page(Printable):
         """The page itself, in a frame of its own."""
         from html import escape
 
-        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="800"></iframe>'
+        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="800" style="border: 0"></iframe>'
 
 
 def report(
