@@ -15,7 +15,10 @@ source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
 html_theme = "pydata_sphinx_theme"
 html_title = f"driftproof {release}"
-html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"]}
+html_context = {"default_mode": "auto"}  # or every page complains to the browser's console
+html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False}
+# The tables of the gallery are wide, and it has two sections.
+html_theme_options["secondary_sidebar_items"] = {"**": ["page-toc"], "gallery": [], "gallery_solvers": []}
 html_sidebars = {"api": []}  # its sections are all on the page
 html_show_sourcelink = False
 html_static_path = ["static"]

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Literal
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Frame, Page, sync_playwright
 
 # No sandbox: tests often run as root. The others keep the browser from talking to anybody of its own accord.
 FLAGS = (
@@ -35,6 +35,40 @@ FLAGS = (
 )
 
 Scheme = Literal["light", "dark"]
+
+SMALLEST_TEXT = 10.5  # CSS pixels
+CONTRAST = 4.5  # WCAG 2.2, 1.4.3, of text
+# CSS pixels of an A4 sheet between its margins of 12 and 13 mm.
+SHEET, SHEET_WIDTH = (297 - 2 * 12) / 25.4 * 96, int((210 - 2 * 13) / 25.4 * 96)
+
+SMALL_TEXT = """least => [...document.querySelectorAll("body *")].filter(element => {
+    const own = [...element.childNodes].some(node => node.nodeType === 3 && node.data.trim())
+    if (!own || !element.checkVisibility() || !element.getClientRects().length) return false
+    const svg = element.closest("svg")
+    const scale = svg ? svg.getBoundingClientRect().width / svg.viewBox.baseVal.width : 1
+    return parseFloat(getComputedStyle(element).fontSize) * scale < least
+}).map(element => element.textContent.slice(0, 40))"""
+
+# The page paints plain colours only, so that the background of a thing is the nearest one above it that is not clear.
+CONTRASTS = """([selector, key, least]) => {
+    const channels = colour => colour.match(/[0-9.]+/g).map(Number)
+    const light = colour => channels(colour).slice(0, 3).map(c => c / 255)
+        .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0)
+    const behind = element => {
+        for (; element; element = element.parentElement) {
+            const colour = getComputedStyle(element).backgroundColor
+            if ((channels(colour)[3] ?? 1) > 0) return colour
+        }
+        return "rgb(255, 255, 255)"
+    }
+    const ratio = element => {
+        const [high, low] = [light(getComputedStyle(element)[key]), light(behind(element))].sort((a, b) => b - a)
+        return (high + 0.05) / (low + 0.05)
+    }
+    const seen = [...document.querySelectorAll(selector)].filter(element => element.checkVisibility())
+    return [seen.length, seen.filter(e => ratio(e) < least).map(e => `${e.outerHTML.slice(0, 60)}: ${ratio(e)}`)]
+}"""
 
 
 @dataclass
@@ -89,3 +123,8 @@ def opened(
         yield shown
     finally:
         context.close()
+
+
+def overflow(page: Page | Frame) -> float:
+    """By how many pixels the page is wider than its window."""
+    return float(page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))

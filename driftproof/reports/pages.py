@@ -8,7 +8,7 @@ from pathlib import Path
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.document import Part, document, scene_title
-from driftproof.reports.page.problem import problem_part, stiff_part
+from driftproof.reports.page.problem import STIFF_METHODS, problem_part, stiff_part
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scenes import scene_given
 from driftproof.reports.stability import STABILITY_METHODS
@@ -38,7 +38,7 @@ class Page(Printable):
         """The page itself, in a frame of its own."""
         from html import escape
 
-        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="800"></iframe>'
+        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="800" style="border: 0"></iframe>'
 
 
 def report(
@@ -49,8 +49,8 @@ def report(
 ) -> Page:
     """Scenes and problems as one page of HTML, written to `output`; the presets if none is named.
 
-    A scene is a preset or a .toml file; a problem is one of ours, or a .toml file of your own, shown with `methods`;
-    "stiff" is a table of all stiff problems. Raises ValueError for what cannot be shown.
+    A scene is a preset or a .toml file; a problem is one of ours, or a .toml file of your own, shown with `methods`, as
+    is "stiff", a table of all stiff problems. Raises ValueError for what cannot be shown.
 
     >>> from driftproof import report
     >>> print(report("default"))
@@ -59,7 +59,7 @@ def report(
     path = None if output is None else Path(output)
     if path is not None:
         require_file(path)
-    parts = [_part(each, methods or STABILITY_METHODS) for each in scenes or PRESETS]
+    parts = [_part(each, methods) for each in scenes or PRESETS]
     if methods and all(isinstance(part, Scene) for part in parts):
         raise ValueError("methods are for problems, and none is named; `driftproof scene NAME --methods` takes them")
     if digits != DIGITS_UNASKED and not any(isinstance(part, Scene) and part.certified for part in parts):
@@ -77,9 +77,9 @@ def _part(given: GivenProblem | Scene, methods: GivenMethods) -> Scene | Part:
     if isinstance(given, Scene):
         if given.problem is None:
             return given
-        return problem_part(given.problem, methods_of(given.methods or methods), given)
+        return problem_part(given.problem, methods_of(given.methods or methods or STABILITY_METHODS), given)
     if given == "stiff":
-        return stiff_part()
+        return stiff_part(methods_of(methods or STIFF_METHODS))
     if str(given) not in PRESETS and names_problem(given):
-        return problem_part(problem_given(given), methods_of(methods))
+        return problem_part(problem_given(given), methods_of(methods or STABILITY_METHODS))
     return _part(scene_given(str(given)), methods)

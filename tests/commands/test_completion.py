@@ -1,12 +1,14 @@
 """Completion in a real shell: commands, their options, choices, and names of methods."""
 
+import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from driftproof.commands.listing import COMMANDS
-from tests.looping import some
+from tests.looping import exactly, some
 
 # Words before the cursor, and what bash then offers.
 OFFERED = {
@@ -17,6 +19,9 @@ OFFERED = {
     "stability kepler --methods rk4,heun2,velo": ["rk4,heun2,velocity_verlet"],
     "facts rk4 --only order,imagin": ["order,imaginary_limit"], "value --only imagin": [],
 }  # fmt: skip
+TOUR = (Path(__file__).parents[2] / "docs" / "tour.md").read_text(encoding="utf-8")
+TOLD = re.findall(r"`driftproof ([^`]*)`\sinto\s`([^`]*)`", TOUR)
+OFFERED |= {typed: [offered] for typed, offered in exactly(2, TOLD)}
 
 
 @pytest.mark.parametrize("typed", OFFERED)

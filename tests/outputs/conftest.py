@@ -8,7 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.browser import started
+
 ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with started() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,8 @@
 """The ledger in real runs of the proofs: in two processes, with a selection, and with a planted error."""
 
 import hashlib
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -27,11 +29,11 @@ claims.claim = lambda *keys, **said: kept(*(key for key in keys if key != "L034"
 """
 
 
-def run_proofs(*arguments, plugins=None):
+def run_proofs(*arguments, plugins=None, folder=ROOT):
     path = {"PYTHONPATH": str(plugins)} if plugins else {}
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "proofs", *arguments],
-        cwd=ROOT,
+        cwd=folder,
         env={"PATH": "/usr/bin:/bin", "COLUMNS": "150", **path},
         capture_output=True,
         text=True,
@@ -78,6 +80,20 @@ def test_a_claim_whose_proof_is_deleted_fails_the_run_of_all_files(tmp_path):
     done, whole = (run_proofs("--collect-only", *more, plugins=tmp_path) for more in (("-p", "deleted"), ()))
     assert "without a proof: L034;" in " ".join(done.stdout.split())
     assert (done.returncode, whole.returncode) == (1, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("power", "standing"), [("** 2", "PROVED"), ("** 3", "failed")])
+def test_the_claim_that_contributing_adds_stands_in_the_ledger_and_a_wrong_one_fails(power, standing, tmp_path):
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    ((path, added),) = re.findall(r"end of `(proofs/.*?)` is\n\n```python\n(.*?\n)```", page, re.DOTALL)
+    shutil.copytree(ROOT / "proofs", tmp_path / "proofs", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("conftest.py", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    with (tmp_path / path).open("a", encoding="utf-8") as file:
+        file.write("\n\n" + added.replace("** 2\n", f"{power}\n"))
+    done = run_proofs("-k", "two_steps_of_forward_euler", plugins=ROOT, folder=tmp_path)
+    assert re.search(rf"^L250 +{standing} +expand +Two steps of forward Euler multiply", done.stdout, re.MULTILINE)
 
 
 # The default run plants its error in two files of proofs, in one process. The long tier runs them all: whole in two

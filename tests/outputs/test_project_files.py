@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from docs.pages import FILE_OR_CONSOLE
 from driftproof import __version__, cli
 from tests.looping import some
 
@@ -67,21 +68,25 @@ def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
     install, run = action["runs"]["steps"]
     assert install["env"]["WHAT"] == "${{ inputs.package }}[${{ inputs.extras }}]"
     asked = {"COMMAND": "step rk4 --h 1/2 --state 1,0", "GITHUB_STEP_SUMMARY": str(tmp_path / "summary")}
+    page = (ROOT / "docs" / "tutorials" / "engineer.md").read_text(encoding="utf-8")
+    (asked_of_the_page,) = re.findall("command: (.*)", page)
+    (tmp_path / "springs.py").write_text({name: text for name, text, _ in FILE_OR_CONSOLE.findall(page)}["springs.py"])
     (tmp_path / "driftproof").write_text(f'#!/bin/sh\nexec {sys.executable} -m driftproof "$@"\n')
     (tmp_path / "driftproof").chmod(0o755)
-    given = {**os.environ, **asked, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    given = {**os.environ, **asked, "PYTHONPATH": str(ROOT), "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     for command, status, fenced, words in (
         (asked["COMMAND"], 0, True, "337/384"),
         ("value --only rk4.first_step.q --format md", 0, False, "| `rk4.first_step.q` | `337/384` |"),
         ("facts rk9", 2, True, "driftproof facts: unknown method 'rk9'"),
         ("facts rk4\n  --only\n  order\n", 0, True, "order"),
         ("facts rk4\nfacts heun2\n", 2, True, "driftproof facts: unrecognized arguments: facts heun2"),
+        (asked_of_the_page, 1, False, "is not velocity\\_verlet; judging by linear steps only, it is velocity-first"),
     ):
         (tmp_path / "summary").write_text("")
         done = subprocess.run(
             ["bash", "-e", "-c", run["run"]],
             env={**given, "COMMAND": command},
-            cwd=ROOT,
+            cwd=tmp_path,
             capture_output=True,
             text=True,
         )

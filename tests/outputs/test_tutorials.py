@@ -10,20 +10,10 @@ from tests.looping import exactly, some
 
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in TUTORIALS if "```console" in path.read_text()}
 
-# Numba compiles for it, ten seconds.
-SLOW = re.compile(r"```console\n\$ driftproof work-precision.*?```", re.DOTALL)
-
 
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", PAGES)
 def test_a_tutorial_says_what_its_commands_say(name, installed, tmp_path):
-    page = SLOW.sub("", PAGES[name])
-    assert journey(page, tmp_path, installed.parent) == page, "run `make docs`"
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", [name for name in PAGES if SLOW.search(PAGES[name])])
-def test_so_do_those_that_take_long(name, installed, tmp_path):
     assert journey(PAGES[name], tmp_path, installed.parent) == PAGES[name], "run `make docs`"
 
 

@@ -1,7 +1,9 @@
 """Whoever waits at a terminal is told that something is done, and nobody else."""
 
 import os
+import re
 import sys
+from pathlib import Path
 from time import monotonic
 
 import pytest
@@ -9,11 +11,13 @@ from tqdm import tqdm
 
 from driftproof.support import progress
 
+LINE = "driftproof verify: working, 0 s (Ctrl-C ends it)"
+
 
 @pytest.mark.parametrize(
     ("name", "part", "line"),
     [
-        ("driftproof verify", None, "driftproof verify: working, 0 s (Ctrl-C ends it)"),
+        ("driftproof verify", None, LINE),
         ("driftproof sweep", 0.0, "driftproof sweep: enclosing, 0 s"),
         ("driftproof sweep", 0.25, "driftproof sweep: enclosing, 0 s, about 3000 s to go"),
         ("", 0.5, " 0 s"),
@@ -34,6 +38,12 @@ def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, part, l
     back = "\b" * len(line)
     assert said.startswith(f"{line}{back}")
     assert rest.endswith(f"{' ' * len(line)}{back}")
+
+
+def test_the_tutorial_quotes_the_line():
+    page = Path(__file__).parents[2] / "docs" / "tutorials" / "engineer.md"
+    (quoted,) = re.findall(r"`(.*: working, .*?)`", page.read_text(encoding="utf-8"))
+    assert quoted.replace("3 s", "0 s") == LINE
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):

@@ -29,7 +29,7 @@ def _matrix(rows: list[list[int | Fraction]]) -> _Rows:
 def _dahlquist(name: str, rate: int, shown: str, t: str) -> Problem:
     return Problem(
         key=f"dahlquist_{name}",
-        title=f"Dahlquist's equation, y' = lambda y, lambda = {shown}, to t = {t}",
+        title=f"Dahlquist's equation, y' = λ y, λ = {shown}, to t = {t}",
         field=VectorField(("rate * y0",), (("rate", Fraction(rate)),)),
         start=(Fraction(1),),
         reference=reference(f"dahlquist_{name}", EXACT, "y = exp(lambda t), in ball arithmetic"),
@@ -55,7 +55,7 @@ HARMONIC = Problem(
 
 STIFF_OSCILLATOR = Problem(
     key="stiff_oscillator",
-    title="A stiff spring, q'' = -10^6 q: 1592 revolutions to t = 10",
+    title="A stiff spring, q'' = -10⁶ q: 1592 revolutions to t = 10",
     field=VectorField(("y1", "-omega * omega * y0"), (("omega", Fraction(1000)),)),
     start=(Fraction(1), Fraction(0)),
     reference=reference("stiff_oscillator", EXACT, "(cos 1000t, -1000 sin 1000t), in ball arithmetic"),
@@ -153,8 +153,8 @@ def _heat(points: int) -> Problem:
 LINEAR_PROBLEMS = (
     HARMONIC,
     _dahlquist("1", -1, "-1", "10"),
-    _dahlquist("1e3", -1000, "-10^3", "1"),
-    _dahlquist("1e6", -1000000, "-10^6", "1"),
+    _dahlquist("1e3", -1000, "-10³", "1"),
+    _dahlquist("1e6", -1000000, "-10⁶", "1"),
     *(STIFF_OSCILLATOR, SEPARATED, STIFF_PAIR, OVERDAMPED, CRITICAL),
     _heat(15),
 )

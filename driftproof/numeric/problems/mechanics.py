@@ -82,7 +82,7 @@ def _fermi_pasta_ulam() -> Problem:
     quartic = " + ".join(f"{x} * {cube}" for x, cube in zip(soft, (a, b, c, d), strict=True))
     return Problem(
         key="fermi_pasta_ulam",
-        title="Fermi, Pasta and Ulam's chain with three stiff springs, omega = 50, to t = 100",
+        title="Fermi, Pasta and Ulam's chain with three stiff springs, ω = 50, to t = 100",
         field=VectorField((*speeds, *(f + g for f, g in zip(forces, stiff, strict=True))), (("omega", Fraction(50)),)),
         start=tuple(Fraction(x) for x in (1, 0, 0, "1/50", 0, 0, 1, 0, 0, 1, 0, 0)),
         reference=reference("fermi_pasta_ulam", CERTIFIED, ENCLOSED),
@@ -106,7 +106,7 @@ MECHANICS_PROBLEMS = (
     _pendulum("pendulum", "A pendulum from the bottom with speed 1, to t = 20", Fraction(1), {}),
     _pendulum(
         "pendulum_near_separatrix",
-        "A pendulum from the bottom with speed 2 - 2^-20: almost over the top, to t = 40",
+        "A pendulum from the bottom with speed 2 - 2⁻²⁰: almost over the top, to t = 40",
         2 - Fraction(1, 2**20),
         NEAR_THE_TOP,
     ),

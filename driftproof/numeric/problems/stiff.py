@@ -15,7 +15,7 @@ STIFF = {
 
 PROTHERO_ROBINSON = Problem(
     key="prothero_robinson",
-    title="Prothero and Robinson's equation, y' = lambda (y - cos t) - sin t, lambda = -10^6, to t = 10",
+    title="Prothero and Robinson's equation, y' = λ (y - cos t) - sin t, λ = -10⁶, to t = 10",
     field=VectorField(("rate * (y0 - cos(t)) - sin(t)",), (("rate", Fraction(-1000000)),)),
     start=(Fraction(1),),
     reference=reference("prothero_robinson", EXACT, "y = cos t, in ball arithmetic"),
@@ -30,7 +30,7 @@ PROTHERO_ROBINSON = Problem(
 
 KAPS = Problem(
     key="kaps",
-    title="Kaps' problem, 1/epsilon = 10^6, to t = 1",
+    title="Kaps' problem, 1/ε = 10⁶, to t = 1",
     field=VectorField(
         ("-(stiffness + 2) * y0 + stiffness * y1 * y1", "y0 - y1 - y1 * y1"), (("stiffness", Fraction(1000000)),)
     ),
@@ -56,7 +56,7 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
     """The oscillator in Liénard's time, t = physical time / mu: its period tends to 3 - 2 log 2, epsilon = 1/mu^2."""
     return Problem(
         key=f"van_der_pol_{name}",
-        title=f"Van der Pol's oscillator, mu = {shown}, in the time t = physical time / mu, to t = 2",
+        title=f"Van der Pol's oscillator, μ = {shown}, in the time t = physical time / μ, to t = 2",
         field=VectorField(("y1", "mu * mu * ((1 - y0 * y0) * y1 - y0)"), (("mu", Fraction(mu)),)),
         start=(Fraction(2), Fraction(0)),
         reference=reference(f"van_der_pol_{name}", CERTIFIED, ENCLOSED + in_print),
@@ -68,13 +68,13 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
 
 ROBERTSON = Problem(
     key="robertson",
-    title="Robertson's reactions, rates from 0.04 to 3 10^7, to t = 10^11",
+    title="Robertson's reactions, rates from 0.04 to 3·10⁷, to t = 10¹¹",
     field=VectorField(
         ("-slow * y0 + fast * y1 * y2", "slow * y0 - fast * y1 * y2 - fastest * y1 * y1", "fastest * y1 * y1"),
         (("slow", Fraction(1, 25)), ("fast", Fraction(10**4)), ("fastest", Fraction(3 * 10**7))),
     ),
     start=(Fraction(1), Fraction(0), Fraction(0)),
-    reference=reference("robertson", CERTIFIED, f"{ENCLOSED}; the published digits at t = 10^11 agree to 13 places"),
+    reference=reference("robertson", CERTIFIED, f"{ENCLOSED}; the published digits at t = 10¹¹ agree to 13 places"),
     source="robertson-1966; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, rober",
     stiff=True,
     expected={
@@ -135,9 +135,9 @@ OREGONATOR = Problem(
 STIFF_PROBLEMS = (
     PROTHERO_ROBINSON,
     KAPS,
-    _van_der_pol("1e3", 10**3, "10^3", "; the published digits at t = 2 agree to 13 places"),
-    _van_der_pol("1e4", 10**4, "10^4"),
-    _van_der_pol("1e5", 10**5, "10^5"),
-    _van_der_pol("1e6", 10**6, "10^6"),
+    _van_der_pol("1e3", 10**3, "10³", "; the published digits at t = 2 agree to 13 places"),
+    _van_der_pol("1e4", 10**4, "10⁴"),
+    _van_der_pol("1e5", 10**5, "10⁵"),
+    _van_der_pol("1e6", 10**6, "10⁶"),
     *(ROBERTSON, HIRES, OREGONATOR),
 )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.tableau_file import method_of, methods_of
+from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene
@@ -32,9 +32,9 @@ def problem_part(problem: Problem, methods: Sequence[Entry], scene: Scene | None
     return Part(problem.title, partial(_problem, problem, methods, scene))
 
 
-def stiff_part() -> Part:
+def stiff_part(methods: Sequence[Entry]) -> Part:
     """The stiff problems of the catalogue, and the steps that methods can take on each."""
-    return Part("Stiff problems", lambda _: _stiff())
+    return Part("Stiff problems", lambda _: _stiff(methods))
 
 
 def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, identity: str) -> str:
@@ -89,8 +89,8 @@ def _steps(problem: Problem, method: Entry) -> str:
     return with_roots(words).replace("<=", "≤") if words.startswith("h ") else words
 
 
-def _stiff() -> str:
-    methods, rows = methods_of(STIFF_METHODS), list[list[str]]()
+def _stiff(methods: Sequence[Entry]) -> str:
+    rows = list[list[str]]()
     for problem in with_progress([each for each in PROBLEMS.values() if each.stiff], "problem"):
         rows.append([problem.title, *(_steps(problem, method) for method in methods)])
     words = "Linear problems, proved: the h whose powers stay bounded. Others, observed: how many steps are enough"

@@ -43,7 +43,7 @@ def test_implicit_methods_are_right_on_a_stiff_problem(key: str) -> None:
 def test_problems_whose_solution_does_not_tell_their_stiffness_have_that_of_their_titles() -> None:
     for name, given in (("kaps", ("stiffness", 10**6)), ("prothero_robinson", ("rate", -(10**6)))):
         assert PROBLEMS[name].field.parameters == (given,)
-        assert f" = {'-' * (given[1] < 0)}10^6, to t" in PROBLEMS[name].title
+        assert f" = {'-' * (given[1] < 0)}10⁶, to t" in PROBLEMS[name].title
 
 
 def test_lobatto_iiib_errs_the_more_the_stiffer_and_is_wrong_there() -> None:

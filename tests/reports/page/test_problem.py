@@ -87,3 +87,4 @@ def test_stiff_problems_stand_in_a_table_with_verdicts(monkeypatch):
     linear, other = exactly(2, rows)
     assert linear[1:3] == ["h ≤ 0.0027852935...", "every h &gt; 0"]
     assert other[1:3] == ["not with 16384 steps", "from 1 step on"]
+    assert cells(report("stiff", methods="backward Euler").html)[0] == ["Problem", "Backward Euler"]
