@@ -147,6 +147,19 @@ def returned(positions, velocities, accelerations, masses, dt, get_force, first=
     return positions, velocities + dt / 2 * (accelerations + new), accelerations if first else new
 
 
+def galaxy(pos, vel, acc, dt, mass, get_acc, stale=False):
+    vel = vel + acc * dt / 2.0
+    pos = pos + vel * dt
+    new = get_acc(pos, mass)
+    return pos, vel + new * dt / 2.0, acc if stale else new
+
+
+def kicked_twice(x, v, m, dt, accel):
+    v = v + accel(x, m) * dt / 2
+    x = x + v * dt
+    return x, v + accel(x, m) * dt / 2
+
+
 def two_arrays(q, p, h, q_out, p_out):
     for i in range(len(q)):
         p_out[i] = p[i] - h * q[i]
@@ -197,6 +210,13 @@ HELD = [
     (lambda x, v, a, n, dt, force: force_last(x, v, a, n, dt, force, 2.0), "symplectic_euler", "kick 0: 2 instead of"),
     (down(force_last, 1.0), "symplectic_euler", "kick 0: -1 instead of 1"),
     (lambda get_grad, q, p, h: (q + h * (p - h * get_grad(q)), p - h * get_grad(q)), "symplectic_euler", ""),
+    (galaxy, "velocity_verlet", ""), (kicked_twice, "velocity_verlet", ""),
+    (lambda pos, vel, acc, dt, mass, get_acc: galaxy(pos, vel, acc, dt, mass, get_acc, True), "velocity_verlet",
+     "a second step with the acc that the first one left is not"),
+    (lambda x, v, a, m, dt, acceleration: galaxy(x, v, a, dt, m, acceleration), "velocity_verlet", ""),
+    (lambda x, v, a, m, dt, accel: galaxy(x, v, a, dt, m, accel, True), "velocity_verlet", "passes on -1"),
+    (lambda x, v, m, dt, accel: kicked_twice(x, v, m, dt, lambda x, m: accel(x) / m), "velocity_verlet",
+     "kicks times 1/2"),
 ]  # fmt: skip
 
 
