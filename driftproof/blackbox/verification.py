@@ -83,8 +83,8 @@ class Verification:
             return f"is {key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
         where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
         near = " in ".join(filter(None, [self.how_near, found.narrow]))
-        bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
-        return f"is {key}{where} {near}: {found.examples} steps {bound}"
+        steps, largest = f"{found.examples} steps {found.bound}", f"{found.worst.error_over_bound:.2f}"
+        return f"is {key}{where} {near}: {steps}, the largest error {largest} of it"
 
     @property
     def unjudged(self) -> list[str]:
