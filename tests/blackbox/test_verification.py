@@ -132,6 +132,16 @@ def other_row(pair="fehlberg45"):
     return codes.tableau(rows, [float(x) for x in METHODS[pair].b_embedded], nodes)
 
 
+def newmark_of_rounds(beta):
+    def step(force, x, v, dt):
+        a0 = a1 = force(x)
+        for _ in range(50):
+            a1 = force(x + dt * v + dt**2 * ((0.5 - beta) * a0 + beta * a1))
+        return x + dt * v + dt**2 * ((0.5 - beta) * a0 + beta * a1), v + dt / 2 * (a0 + a1)
+
+    return step
+
+
 PAIR = "fehlberg45, with the embedded weights propagated: the row of order 5, not that of order 4"
 REUSED = codes.tableau([[], [0.5], [0.5], [0.0, 0.0, 1.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6], [0.0, 0.5, 0.5, 1.0])
 MIDPOINT = one_by_one(table("implicit_midpoint"), fixed_point)
@@ -180,6 +190,9 @@ VERDICTS = {
         "What would decide it", "rounding: --largest-step 0.5 --largest-state 1", {"allowance": SOLVED}),
     "diverging in as many": (iterated(), "trapezoid", "", "its iteration does not converge at h = 2; for h <= 0.5",
         {"allowance": SOLVED}),
+    "Newmark's, of 50 rounds": (newmark_of_rounds(0.25), "trapezoid", "", "its iteration does not converge at h = 2;",
+        "What would decide it", "rounding: --largest-step 0.5 --largest-state 1000", {"allowance": SOLVED}),
+    "another beta, of 50 rounds": (newmark_of_rounds(0.3), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
     "capped in as many": (iterated(longest=0.75), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
     "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but trapezoid, with 3 fixed-point",
         {"allowance": SOLVED}),

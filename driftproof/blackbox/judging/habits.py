@@ -93,12 +93,13 @@ def _diverges(subject: ForeignStepper, wanted: Specification, failing: Example, 
             subject.step_with(lambda x: asked.append(x) or -x, q, v, h)  # type: ignore[func-returns-value]
         return asked
 
-    def settled(asked: Sequence[float]) -> bool:
+    def settled(asked: Sequence[float], period: int) -> bool:
         size, last = tolerance * max(map(abs, asked), default=0.0), asked[-3 * stages :]
-        return any(all(abs(x - y) <= size for x, y in zip(last, last[s:], strict=False)) for s in range(1, stages + 1))
+        return all(abs(x - y) <= size for x, y in zip(last, last[period:], strict=False))
 
     long, short = calls(failing.q, failing.v, failing.h), calls(0.0, 1.0, domain.largest_step)
-    return len(long) > len(short) or (len(long) > 3 * stages and settled(short) and not settled(long))
+    periods = [period for period in range(1, stages + 1) if settled(short, period)]  # of one stage, 2 is no solution
+    return len(long) > len(short) or (len(long) > 3 * stages and periods != [] and not settled(long, periods[0]))
 
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:

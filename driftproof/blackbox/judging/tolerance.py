@@ -100,7 +100,8 @@ class Tolerance:
     @property
     def averages(self) -> int:
         """How many times the bound a step may be off that averages states of its stages; 1 if it has none."""
-        return AVERAGES if isinstance(self.method, RungeKutta) and self.method.explicit and self.method.stages > 1 else 1
+        staged = isinstance(self.method, RungeKutta) and self.method.explicit and self.method.stages > 1
+        return AVERAGES if staged else 1
 
     def require_no_overflow(self, state: float, h: float) -> None:
         """Raise BadInput for sizes at which a sum of |monomials| overflows, so that no bound holds."""
