@@ -205,7 +205,7 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
             return StepFinding(None, f"h < 0 is refused: {example.misbehaved}")
-        if example.answer == (q, v):
+        if example.answer == (q, v) != subject.step(q, v, h):  # without a force, a state at rest stays there
             return Remarked(None, _NOT_BACK)
         if not example.allowed:
             example = _in_full(example, tolerance, subject)

@@ -94,6 +94,9 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
             yield form
         elif call.stale or _pulls_back(call):
             yield lambda q, v, h: call.moved(None, q, v, h)
+        else:  # bodies that attract each other: three in space, of unequal masses
+            call.heavy, shape = _HEAVY, (2, len(_HEAVY), _IN_SPACE)
+            yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
     elif STATE in held and of_force:
         yield lambda f, t, y, h: call.solved(f, t, y, h)
     elif STATE in held:
