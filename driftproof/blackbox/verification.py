@@ -129,11 +129,13 @@ class Refutation:
     def parts(self) -> list[tuple[str, Sequence[str]]]:
         """The evidence for what the stepper is instead, as titles with lines."""
         read = self.instead.section("Coefficients") or self.instead.section("One-step matrix")
+        helps = self.instead.section("What to do") if self.naming.basis is Basis.NO_ANSWER else None
         shown = (read, self.instead.section("Faults"), self.instead.section("Not answered"))
         same_steps = [*self.mistakes, *filter(None, [self.seen.right_form])]
         evidence = [(section.title.lower(), section.lines) for section in shown if section]
         named = [("one mistake that gives the same steps", same_steps), *evidence]
-        return [(f"Identified instead: {title}", lines) for title, lines in named]
+        parts = [(f"Identified instead: {title}", lines) for title, lines in named]
+        return [*parts, *([(helps.title, helps.lines)] if helps else [])]
 
     def _departures(self) -> Iterator[str]:
         """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""

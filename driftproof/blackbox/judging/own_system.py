@@ -219,7 +219,7 @@ class _OwnSystem:
 
 
 def _ends(y: Sequence[float], seen: Sequence[float], method: Method, told: Sequence[float]) -> str:
-    """Where a step from y and that of a method end, in words: of many numbers, that which is off most."""
+    """The ends of a step from y and of that of a method, in words: of many numbers, those that differ most."""
     if len(y) <= 3:
         return f"{y} ends in {seen}, where {method.key} ends in {tuple(told)}"
     worst = max(range(len(y)), key=lambda i: abs(seen[i] - told[i]))
