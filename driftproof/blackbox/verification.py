@@ -203,7 +203,7 @@ class Refutation:
         wrong = "; ".join(coefficients.data.get("differences", ()))
         what = f": {wrong}" if wrong and wrong not in verdict else ""
         if verdict.startswith(f"it is {key}, ") and not what:
-            return f"is not {key}, but {verdict.removeprefix('it is ')}"
+            return f"is not {key}, but a variant of it, {verdict.removeprefix(f'it is {key}, ')}"
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
         if isinstance(self.seen.method, Splitting) and verdict in {f"it is {name}" for name in self.naming.methods}:

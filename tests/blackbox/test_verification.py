@@ -196,7 +196,7 @@ VERDICTS = {
         "What would decide it", "rounding: --largest-step 0.5 --largest-state 1000", {"allowance": SOLVED}),
     "another beta, of 50 rounds": (newmark_of_rounds(0.3), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
     "capped in as many": (iterated(longest=0.75), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
-    "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but trapezoid, with 3 fixed-point",
+    "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but a variant of it, with 3 fixed",
         {"allowance": SOLVED}),
     "capped in h": (lambda f, t, y, h: all_at_once(table("backward_euler"))(f, t, y, min(h, 0.75)), "backward_euler",
         "", "is not backward_euler", {"allowance": SOLVED}),
