@@ -41,6 +41,9 @@ _HELPS = {
     "instrument_failed": "report this to us",
     "own_clock": "examine the wrapper in its place",
 }
+_ANSWER = (
+    "make this one call return an answer, or write a step of arrays that takes its right-hand side: step(f, t, y, h)"
+)
 
 
 def identify(
@@ -172,7 +175,7 @@ class Identification:
     def _what_to_do(self) -> list[str]:
         seen, held = self.seen, verification(self.name)
         if seen.introduction.failed:
-            return [_HELPS.get(seen.introduction.kind or "", "make this one call return an answer, then try again")]
+            return [_HELPS.get(seen.introduction.kind or "", _ANSWER)]
         lines = ["fix the faults first"] if any(check.is_fault for check in seen.checks) else []
         near = seen.read.identity.near if seen.read is not None else ()
         if near:

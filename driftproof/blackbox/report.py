@@ -68,8 +68,9 @@ class Report(Printable):
 
     @property
     def answered(self) -> bool | None:
-        """True if the verdict says what was found; None if it is undecided, False if the subject gives no answer."""
-        return {UNDECIDED: None, NO_ANSWER: False}.get(self.verdict.partition(":")[0], True)
+        """True if the verdict names what was found; None if it is undecided, False if it is unknown or no answer."""
+        begins = self.verdict.replace(",", ":").partition(":")[0]
+        return {UNDECIDED: None, NO_ANSWER: False, NOT_KNOWN: False}.get(begins, True)
 
     def section(self, title: str) -> Section | None:
         """The section with this title; None if there is none."""

@@ -15,10 +15,12 @@ from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem
+from driftproof.blackbox.matching.candidates import EXCHANGED, OTHER_KIND
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report
-from driftproof.methods.schemes import Method
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method, Splitting
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,8 @@ class Verification:
             return f"is {key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
         where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
         near = " in ".join(filter(None, [self.how_near, found.narrow]))
-        bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
-        return f"is {key}{where} {near}: {found.examples} steps {bound}"
+        steps, largest = f"{found.examples} steps {found.bound}", f"{found.worst.error_over_bound:.2f}"
+        return f"is {key}{where} {near}: {steps}, the largest error {largest} of it"
 
     @property
     def unjudged(self) -> list[str]:
@@ -129,11 +131,13 @@ class Refutation:
     def parts(self) -> list[tuple[str, Sequence[str]]]:
         """The evidence for what the stepper is instead, as titles with lines."""
         read = self.instead.section("Coefficients") or self.instead.section("One-step matrix")
+        helps = self.instead.section("What to do") if self.naming.basis is Basis.NO_ANSWER else None
         shown = (read, self.instead.section("Faults"), self.instead.section("Not answered"))
         same_steps = [*self.mistakes, *filter(None, [self.seen.right_form])]
         evidence = [(section.title.lower(), section.lines) for section in shown if section]
         named = [("one mistake that gives the same steps", same_steps), *evidence]
-        return [(f"Identified instead: {title}", lines) for title, lines in named]
+        parts = [(f"Identified instead: {title}", lines) for title, lines in named]
+        return [*parts, *([(helps.title, helps.lines)] if helps else [])]
 
     def _departures(self) -> Iterator[str]:
         """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""
@@ -199,9 +203,13 @@ class Refutation:
         wrong = "; ".join(coefficients.data.get("differences", ()))
         what = f": {wrong}" if wrong and wrong not in verdict else ""
         if verdict.startswith(f"it is {key}, ") and not what:
-            return f"is not {key}, but {verdict.removeprefix('it is ')}"
+            return f"is not {key}, but a variant of it, {verdict.removeprefix(f'it is {key}, ')}"
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
+        if isinstance(self.seen.method, Splitting) and verdict in {f"it is {name}" for name in self.naming.methods}:
+            turned = tuple((OTHER_KIND[kind], x) for kind, x in self.seen.method.parts)
+            same = getattr(METHODS[self.naming.methods[0]], "parts", ()) == turned
+            verdict += f", which is {key} with {EXCHANGED}" * same
         return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
 
     @property

@@ -56,7 +56,7 @@ sdirk2 | Alexander 2
 alexander3 | Alexander 3
 tr_bdf2 | TRBDF2
 forest_ruth | Forest-Ruth, FR4
-yoshida4 | triple jump, fourth-order Yoshida
+yoshida4 | triple jump
 ruth3 | Ruth
 nystrom4 | Runge-Kutta-Nyström, RKN4
 bdf2 | BDF 2, Gear 2, two-step BDF
@@ -111,6 +111,8 @@ Lobatto IIIB | lobatto_iiib2 lobatto_iiib3 lobatto_iiib4
 Lobatto IIIC | lobatto_iiic2 lobatto_iiic3 lobatto_iiic4
 SDIRK | sdirk2 alexander3 sdirk4
 Yoshida | yoshida4 yoshida6 yoshida8
+Yoshida 4 | yoshida4 forest_ruth
+fourth-order Yoshida | yoshida4 forest_ruth
 Suzuki | suzuki4 suzuki4_position_first
 DOPRI8 | dop853 prince_dormand87
 BDF | bdf2 bdf3 bdf4 bdf5 bdf6

@@ -30,8 +30,10 @@ def test_line_that_stands_for_others_gives_way_where_everything_is_asked_for():
 
 
 def test_what_is_not_answered_begins_its_verdict_so():
-    verdicts = ("undecided: no time", "gives no answer: boo", "it is rk4")
-    assert [replace(REPORT, verdict=verdict).answered for verdict in verdicts] == [None, False, True]
+    unknown = "it is not a known method", "it is not a known method: no stage", "it is not a known method, but has one"
+    verdicts = ("undecided: no time", "gives no answer: boo", *unknown, "it is rk4", "it is rk4: row 1")
+    said = [replace(REPORT, verdict=verdict).answered for verdict in verdicts]
+    assert said == [None, *[False] * 4, *[True] * 2]
 
 
 def test_markdown_shows_the_verdict_and_the_lines_verbatim():

@@ -132,6 +132,16 @@ def other_row(pair="fehlberg45"):
     return codes.tableau(rows, [float(x) for x in METHODS[pair].b_embedded], nodes)
 
 
+def newmark_of_rounds(beta):
+    def step(force, x, v, dt):
+        a0 = a1 = force(x)
+        for _ in range(50):
+            a1 = force(x + dt * v + dt**2 * ((0.5 - beta) * a0 + beta * a1))
+        return x + dt * v + dt**2 * ((0.5 - beta) * a0 + beta * a1), v + dt / 2 * (a0 + a1)
+
+    return step
+
+
 PAIR = "fehlberg45, with the embedded weights propagated: the row of order 5, not that of order 4"
 REUSED = codes.tableau([[], [0.5], [0.5], [0.0, 0.0, 1.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6], [0.0, 0.5, 0.5, 1.0])
 MIDPOINT = one_by_one(table("implicit_midpoint"), fixed_point)
@@ -148,7 +158,7 @@ VERDICTS = {
     "in fractions": (in_fractions, "rk4"), "a generator": (generated, "rk4"),
     "in time": (codes.velocity_verlet_in_time, "velocity_verlet"),
     "of one number": (codes.rk4_of_one_number, "rk4"), "another of one": (codes.rk4_of_one_number, "rk38"),
-    "a dict": (lambda f, t, y, h: {"y": y}, "rk4"),
+    "a dict": (lambda f, t, y, h: {"y": y}, "rk4", "What to do", "make this one call return an answer, or"),
     "complex": (lambda f, t, y, h: f(t, 1j * y), "rk4"),
     "memory": (remembering, "forward_euler"),
     "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),
@@ -170,6 +180,8 @@ VERDICTS = {
     "no h": (lambda q, v, h: (q + h * v, v - q), "forward_euler"),
     "reused": (REUSED, "rk4"),
     "too strong": (codes.composed([("kick", 1.001), ("drift", 1)]), "symplectic_euler"),
+    "drifts first": (codes.composed([(kind, float(x)) for kind, x in METHODS["forest_ruth"].parts]), "yoshida4",
+        "", "is not yoshida4; it is forest_ruth, which is yoshida4 with kicks and drifts exchanged"),
     "stale": (Stale().step, "forward_euler"),
     "an estimate": (with_estimate, "rk4", "Error estimate: not tested", "rk4 defines no error estimate"),
     "at times": (with_estimate_of_small_states, "rk4", "Error estimate: not tested", "besides y1 at some steps only"),
@@ -180,8 +192,11 @@ VERDICTS = {
         "What would decide it", "rounding: --largest-step 0.5 --largest-state 1", {"allowance": SOLVED}),
     "diverging in as many": (iterated(), "trapezoid", "", "its iteration does not converge at h = 2; for h <= 0.5",
         {"allowance": SOLVED}),
+    "Newmark's, of 50 rounds": (newmark_of_rounds(0.25), "trapezoid", "", "its iteration does not converge at h = 2;",
+        "What would decide it", "rounding: --largest-step 0.5 --largest-state 1000", {"allowance": SOLVED}),
+    "another beta, of 50 rounds": (newmark_of_rounds(0.3), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
     "capped in as many": (iterated(longest=0.75), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
-    "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but trapezoid, with 3 fixed-point",
+    "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but a variant of it, with 3 fixed",
         {"allowance": SOLVED}),
     "capped in h": (lambda f, t, y, h: all_at_once(table("backward_euler"))(f, t, y, min(h, 0.75)), "backward_euler",
         "", "is not backward_euler", {"allowance": SOLVED}),

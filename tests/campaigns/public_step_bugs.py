@@ -42,7 +42,7 @@ def of_step(step: Any) -> Said:
     """What `identify` says of a step that is no method of ours: its faults, and what small steps follow."""
     report = identify(step, isolate=False)
     faults = list(getattr(report.section("Faults"), "lines", ()))
-    if not report.answered:
+    if report.verdict.startswith(("undecided", "gives no answer")):
         faults.append(report.verdict)
     return Said("; ".join(words_of(report)), faults)
 

@@ -30,7 +30,18 @@ def test_a_name_leads_to_its_method(name, key):
 
 @pytest.mark.parametrize(
     "name",
-    ["Verlet", "leapfrog", "Störmer–Verlet", "midpoint", "Yoshida", "RK2", "modified Euler", "RadauIIA5", "Störmer"],
+    [
+        "Verlet",
+        "leapfrog",
+        "Störmer–Verlet",
+        "midpoint",
+        "Yoshida",
+        "RK2",
+        "modified Euler",
+        "RadauIIA5",
+        "Störmer",
+        "Yoshida 4",
+    ],
 )
 def test_an_ambiguous_name_lists_what_it_may_mean(name):
     with pytest.raises(ValueError, match=r"may mean .* or ") as caught:

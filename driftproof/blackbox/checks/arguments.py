@@ -156,6 +156,8 @@ def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         return (CheckResult("negative_step", None, f"h < 0 is refused: {back.refusal}", (back,)),)
     if not back.finite:
         return (CheckResult("negative_step", False, f"h < 0 gives {back.seen}", (back,)),)
+    if same(back.answer, runner.ordinary) and same(forth.answer, runner.ordinary):
+        return (CheckResult("negative_step", None, "the state stays the same, for h < 0 as for h > 0", (back, forth)),)
     if same(back.answer, runner.ordinary):
         return (CheckResult("negative_step", False, "h < 0 does nothing: the state is returned unchanged", (back,)),)
     if same(back.answer, forth.answer):

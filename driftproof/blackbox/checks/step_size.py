@@ -23,8 +23,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import power_of_two
 
-_KEY, IGNORED = "step_size", "h is ignored"
-_STILL = "at v = 1, q = 0 stays 0, as after a run that fills arrays of its own"
+_KEY, IGNORED = "step_size", ("h is ignored", "nothing moves")
+_STILL = "at v = 1, q = 0 stays 0 for every h > 0, as at the ends of a grid or after a run that fills arrays of its own"
 # From the position 0 a step moves by h v, which shows every bit of h. One speed is of ordinary size, one small: long
 # steps may end at a border of the domain, and small speeds may be put to rest, whatever h is.
 _SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
@@ -98,7 +98,7 @@ def _ignored(taken: _Taken) -> CheckResult:
     simple = Fraction(length).limit_denominator(_DENOMINATORS)
     told = simple.denominator > 1 and runner.number(float(simple)) == length
     name = str(simple) if told else short_name(length)
-    words = f"{IGNORED}: {words} {name} is always taken" if length else f"{IGNORED}: {_STILL}"
+    words = f"{IGNORED[0]}: {words} {name} is always taken" if length else f"{IGNORED[1]}: {_STILL}"
     return CheckResult(_KEY, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)))
 
 

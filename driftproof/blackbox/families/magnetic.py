@@ -140,7 +140,8 @@ class MagneticReading:
             name = f"boris except for its rotation, which is {self.turn.name}"
         elif self._is(self.kick, _BOTH_HALVES) or self.turn.method:
             known = self.turn.known and self.turn.name == "implicit_midpoint"
-            name = f"{'the rotation of boris' if known else f'a rotation by {self.turn.name}'}{self._kicks}"
+            other = f"a rotation by {self.turn.name}" if self.turn.method else self.turn.name
+            name = f"{'the rotation of boris' if known else other}{self._kicks}"
         else:
             name = "not a known step"
         unknown = "the position moves by another law" if self.moved and not self.drift and not self.affine else ""

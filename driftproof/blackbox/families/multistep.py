@@ -188,7 +188,7 @@ class MultistepReading:
         """
         found, start = self.recurrence, self.start
         same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
-        near = found.recurrence.differences(method) if not same else None
+        near = found.recurrence.differences(method) if not same and found.untimed is None else None
         differences = [f"not that of {method.key}", *(near or ())]
         lines = [*([] if same else differences), *found.lines[:-1], self.across]
         checks = [Criterion("Recurrence", same, tuple(lines), {})]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -132,7 +132,8 @@ class RecurrenceReading:
 
     `late` counts the steps after the first k - 1 that do not satisfy it yet. `left` is the residual of later steps,
     relative to the terms, or 0 if it is rounding. `asked` says where F is evaluated if not at the returned states; if
-    that is at predicted ones, `predictor` is the explicit method, and `corrections` the number of corrections.
+    that is at predicted ones, `predictor` is the explicit method, and `corrections` the number of corrections. Where F
+    does not depend on t, it is the method `untimed`, so that F is called at wrong times.
     """
 
     recurrence: Recurrence
@@ -142,11 +143,12 @@ class RecurrenceReading:
     predictor: Multistep | None = None
     corrections: int = 0
     asked: str = ""
+    untimed: Multistep | None = None
 
     @property
     def near(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """The nearest methods, with the few coefficients that differ."""
-        if self.method is not None:
+        if self.method is not None or self.untimed is not None:
             return ()
         found = [(m.key, self.recurrence.differences(m)) for m in candidates(self.recurrence.derivative)]
         told = [(key, words) for key, words in found if words]
@@ -163,6 +165,8 @@ class RecurrenceReading:
             return f"{self.method.key}, corrected {often} from the prediction of {self.predictor.key} ({mode})"
         if self.method is not None:
             return self.method.key + (f", but {self.asked}" if self.asked else "")
+        if self.untimed is not None:
+            return f"{self.untimed.key} called at wrong times: it is that method only where F does not depend on t"
         if self.near:
             return f"a multistep method of {k} steps, {self.near[0][0]} except for {'; '.join(self.near[0][1])}"
         if k == 1:
@@ -180,6 +184,8 @@ class RecurrenceReading:
         """The recurrence as lines."""
         held = f"to {self.left:.1e}, the accuracy of its solver," if self.left else "to rounding"
         named = "no multistep method of the catalogue"
+        if self.untimed is not None:
+            named = "as read where F depends on t alone:"
         if self.method is not None:
             named = f"{self.method.key}: satisfied {held} in runs of {RUN_LENGTH} steps, after the start"
         nearest = [f"nearest: {key} except for {'; '.join(words)}" for key, words in self.near]
@@ -225,7 +231,18 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
             raise NoRecurrence(f"{where}, steps do not satisfy the recurrence that they satisfy with h = 1")
     late = int(np.flatnonzero(exact.left(marked) > max(exact.rounding, tolerance)).max(initial=-1)) + 1
     reading = RecurrenceReading(replace(exact, error=read.error), method, late)
-    return reading if runs.by_place else _with_places(reading, runs, tolerance)
+    found = reading if runs.by_place else _with_places(reading, runs, tolerance)
+    shows = not runs.clock and runs.size + runs.derivative > 2  # one number of y' = f(y) does not turn
+    if not found.asked or found.predictor or not shows or (untimed := _untimed(runs, known)) is None:
+        return found
+    return replace(found, asked="", method=None, untimed=untimed)
+
+
+def _untimed(runs: MarkedRuns, known: Sequence[tuple[Recurrence, Multistep]]) -> Multistep | None:
+    """The method whose recurrence the steps satisfy where the slopes do not depend on t, if there is one."""
+    run = runs.run(RUN_LENGTH, untimed=True)
+    kept = [(each.left_later(run), m) for each, m in known if each.kept(run, tolerance_of(m))]
+    return min(kept, key=lambda each: each[0])[1] if kept else None
 
 
 def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:

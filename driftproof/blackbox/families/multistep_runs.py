@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import sin
 
 import numpy as np
 
@@ -86,9 +87,14 @@ class MarkedRuns:
         """The d of y⁽ᵈ⁾ = F."""
         return 2 if self.subject.convention.kind == FORCE else 1
 
-    def run(self, steps: int, *, h: float = 1.0, t: float = 0.0, bent: bool = False) -> SteadyRun:
-        """One run, whose slopes depend on the marks, and if `bent` on the state as well. Raises NotReadable."""
-        problem = self.problem(h, t, bent=bent)
+    def run(
+        self, steps: int, *, h: float = 1.0, t: float = 0.0, bent: bool = False, untimed: bool = False
+    ) -> SteadyRun:
+        """One run, whose slopes depend on the marks, and if `bent` on the state as well. Raises NotReadable.
+
+        Those that are `untimed` depend on the state alone.
+        """
+        problem = self.untimed if untimed else self.problem(h, t, bent=bent)
         try:
             states = course(self.subject, problem, t, self.start(t), h, steps)
         except Misbehaviour as failure:
@@ -113,6 +119,17 @@ class MarkedRuns:
         """F at a state, without the clock."""
         rate = problem.rate(t, list(y))
         return [float(x) for x in (rate[-self.size :] if self.derivative == 2 else rate[: self.size])]
+
+    @property
+    def untimed(self) -> NonlinearProblem:
+        """A problem without time that turns, so that its steps of size 1 differ from method to method."""
+
+        def rate(at: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+            if self.derivative == 2:
+                return [*y[self.size :], *(-sin(x) / 4 for x in y[: self.size])]
+            return [*(sin(x) / 2 for x in y[1:]), -sin(y[0]) / 2]
+
+        return NonlinearProblem("", rate, lambda _: [], self.size if self.derivative == 2 else 0)
 
     def problem(self, h: float, t: float, *, bent: bool) -> NonlinearProblem:
         """The problem y' = F or y'' = F with these slopes, from the time t on."""

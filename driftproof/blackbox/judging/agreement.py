@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import ALIKE
 from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
-from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.judging.tolerance import AVERAGES, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
@@ -40,7 +40,7 @@ class Example:
 
     `component` is "q" or "v", whichever is nearer to its bound or farther beyond; `exact` and `error_over_bound` are
     of this component. `scaled_error` is the largest error in units of u over the sum of |monomials|. `misbehaved` says
-    what came instead of an answer, and `reproduction` is the call as a line of Python.
+    what came instead of an answer, and `reproduction` is the call as a line of Python. `allowed`: it is no failure.
     """
 
     q: float
@@ -53,6 +53,7 @@ class Example:
     scaled_error: float = 0.0
     misbehaved: str = ""
     reproduction: str = ""
+    allowed: bool = False
 
     @property
     def call(self) -> str:
@@ -109,6 +110,13 @@ class Agreement:
         return self.failing is None
 
     @property
+    def bound(self) -> str:
+        """Within what all errors are if it holds."""
+        if self.worst.error_over_bound <= 1:
+            return "within the derived bound"
+        return f"within {AVERAGES} times the derived bound, as in averages of stages"
+
+    @property
     def lines(self) -> list[str]:
         """The result as lines of text, with the call that shows a failure again."""
         if self.failing is not None:
@@ -120,7 +128,7 @@ class Agreement:
                 why = [f"{diverges}; for {within} every error is within the bound"]
             return [f"the simplest step beyond the bound: {self.failing.words}", again, *why]
         return [
-            f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
+            f"{self.examples} steps drawn from {self.domain.words}, every error {self.bound}",
             f"closest to the bound: {self.worst.words}",
             f"largest error over the sum of |monomials|: {self.largest_scaled_error:.3g} u",
         ]
@@ -152,13 +160,13 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
 
     def fails(step: Arguments) -> bool:
         tried.append(_example(subject, tolerance, *step))
-        return _fails(tried[-1])
+        return not tried[-1].allowed
 
     found = next(filter(fails, islice(steps_within(steps, states), examples)), None)
     count = len(tried)
     if found:
         simplest_step(fails, found, steps, states)  # after one that fails, only simpler ones: the last is the simplest
-    failing = next((_in_full(each, tolerance, subject) for each in tried[::-1] if _fails(each)), None)
+    failing = next((_in_full(each, tolerance, subject) for each in tried[::-1] if not each.allowed), None)
     worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
     narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
     solved = float(wanted.allowance.solver_tolerance or 0)
@@ -197,9 +205,9 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
             return StepFinding(None, f"h < 0 is refused: {example.misbehaved}")
-        if example.answer == (q, v):
+        if example.answer == (q, v) != subject.step(q, v, h):  # without a force, a state at rest stays there
             return Remarked(None, _NOT_BACK)
-        if _fails(example):
+        if not example.allowed:
             example = _in_full(example, tolerance, subject)
             return StepFinding(False, f"a step with h < 0 is wrong: {example.words}", example.reproduction)
     return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
@@ -272,10 +280,6 @@ def _sets_together(
             yield [*islice(cycle(ordinary), count)], step
 
 
-def _fails(example: Example) -> bool:
-    return example.answer is None or example.error_over_bound > 1
-
-
 def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, h: float) -> Example:
     try:
         answer = subject.step(q, v, h)
@@ -283,7 +287,8 @@ def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, 
         return Example(q, v, h, None, misbehaved=str(error))
     judged = tolerance.judge(q, v, h, answer)
     worse = max((0, 1), key=lambda i: judged[i].ratio)
-    return Example(q, v, h, answer, COMPONENTS[worse], "", judged[worse].ratio, max(j.scaled for j in judged))
+    allowed, scaled = all(component.allowed for component in judged), max(component.scaled for component in judged)
+    return Example(q, v, h, answer, COMPONENTS[worse], "", judged[worse].ratio, scaled, allowed=allowed)
 
 
 def _in_full(example: Example, tolerance: Tolerance, subject: ForeignStepper) -> Example:

@@ -13,17 +13,18 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, Example, agreement
 from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.stepper.calling_conventions import MAP
+from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import fixed, significant
 
-# What some codes do besides rounding the method's sums and products.
+# What some codes do besides rounding the method's sums and products; y' = f(t, y) has no positions.
+_OF_POSITIONS = "if the velocity is a difference of positions over h"
 HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if h is rounded to binary32 first": lambda given: replace(given, step_in_binary32=True),
-    "if the velocity is a difference of positions over h": lambda given: replace(given, velocity_from_positions=True),
+    _OF_POSITIONS: lambda given: replace(given, velocity_from_positions=True),
 }
 # Step sizes at which the iteration of an implicit stage converges, the largest first.
 _CONVERGING = (0.5, 0.25)
@@ -54,6 +55,8 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
         return found
     for words, habit in HABITS.items():
         allowing = replace(wanted, allowance=habit(wanted.allowance))
+        if words == _OF_POSITIONS and subject.convention.kind == FIELD:
+            continue
         if allowing != wanted and agreement(subject, allowing, examples).holds:
             return replace(found, but_for=words)
     near: list[tuple[float, str, Specification]] = []
@@ -90,12 +93,13 @@ def _diverges(subject: ForeignStepper, wanted: Specification, failing: Example, 
             subject.step_with(lambda x: asked.append(x) or -x, q, v, h)  # type: ignore[func-returns-value]
         return asked
 
-    def settled(asked: Sequence[float]) -> bool:
+    def settled(asked: Sequence[float], period: int) -> bool:
         size, last = tolerance * max(map(abs, asked), default=0.0), asked[-3 * stages :]
-        return any(all(abs(x - y) <= size for x, y in zip(last, last[s:], strict=False)) for s in range(1, stages + 1))
+        return all(abs(x - y) <= size for x, y in zip(last, last[period:], strict=False))
 
     long, short = calls(failing.q, failing.v, failing.h), calls(0.0, 1.0, domain.largest_step)
-    return len(long) > len(short) or (len(long) > 3 * stages and settled(short) and not settled(long))
+    periods = [period for period in range(1, stages + 1) if settled(short, period)]  # of one stage, 2 is no solution
+    return len(long) > len(short) or (len(long) > 3 * stages and periods != [] and not settled(long, periods[0]))
 
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:

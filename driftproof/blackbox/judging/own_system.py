@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise, product
-from math import hypot, log2
+from math import cos, hypot, log2
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,9 @@ from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.stage_solutions import step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP
+from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
@@ -60,18 +61,27 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
     found, given = explain_by_habits(subject, wanted, examples), subject.convention
     if not found.holds and given.kind == MAP and not given.extra and CARRIED not in given.order:
         (*_, (q, v)), _ = ordinary_arguments(subject, wanted.domain)
+        more = TOGETHER.get(subject.adapter.name, 0) - 2 if STATE in given.order else 0
         # None of them has a 0, where a friction jumps.
-        if (system := _OwnSystem.of(subject, [(q, v), (v / 2, q / 2), (-q, v / 4)])) is not None:
+        states = [(q, v), (v / 2, q / 2), (-q, v / 4)]
+        others = [[v * cos(3 * i + place) for i in range(more)] for place in range(len(states))]
+        system = _OwnSystem.of(subject, [(*y, *other) for y, other in zip(states, others, strict=True)])
+        if system is not None:
             system.compare(wanted)
+        if more > 0:
+            raise OwnSystem(f"its system of {more + 2} numbers is built in, and short steps show no slopes of it")
     return found
 
 
 @dataclass(frozen=True)
 class _OwnSystem:
-    """The system of a stepper, y = [q, v], the states at which it is seen, and a power of two near to its own time."""
+    """The system of a stepper, the states at which it is seen, and a power of two near to its own time.
+
+    A state y is [q, v], or has as many numbers as the stepper needs; of a splitting, half of them are positions.
+    """
 
     subject: ForeignStepper
-    states: Sequence[tuple[float, float]]
+    states: Sequence[tuple[float, ...]]
     unit: float = 1.0
 
     @cached_property
@@ -79,32 +89,41 @@ class _OwnSystem:
         """The system, its slopes measured once at each place. Raises ArithmeticError where they are not smooth."""
 
         @cache
-        def slopes(t: float, q: float, v: float) -> list[float]:
-            found, off = self._measured(t, (q, v), self.unit * _LONGEST, _HALVINGS)
-            if not off <= _HALF_THE_DIGITS * max(abs(q), abs(v), hypot(*found)):
+        def slopes(t: float, *y: float) -> list[float]:
+            found, off = self._measured(t, y, self.unit * _LONGEST, _HALVINGS)
+            if not off <= _HALF_THE_DIGITS * max(*map(abs, y), hypot(*found)):
                 raise ArithmeticError("its slopes are not smooth")
             return [*map(float, found)]
 
         def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-            return [arb(x) for x in slopes(float(t), float(y[0]), float(y[1]))]
+            return [arb(x) for x in slopes(float(t), *map(float, y))]
 
-        return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * 2, 1)
+        return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * self.size, self.size // 2)
+
+    @property
+    def size(self) -> int:
+        """How many numbers a state has."""
+        return len(self.states[0])
+
+    def _end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
+        """The end of a step."""
+        return self.subject.step_state(y, h, t) if self.size > 2 else self.subject.step(y[0], y[1], h, t)
 
     def slopes(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes as floats."""
         return [float(x) for x in self.problem.rate(t, [*y])]
 
-    def _measured(self, t: float, y: tuple[float, float], h: float, count: int) -> tuple[Array, float]:
+    def _measured(self, t: float, y: Sequence[float], h: float, count: int) -> tuple[Array, float]:
         """The slopes, extrapolated from steps of h and its halves, and by how much the last of these changed them."""
         steps = [h / 2**i for i in range(count)]
-        rows = [(np.array(self.subject.step(*y, step, t)) - np.array(y)) / step for step in steps]
+        rows = [(np.array(self._end(t, y, step)) - np.array(y)) / step for step in steps]
         for power in range(1, count):
             last = rows[-1]
             rows = [after + (after - before) / (2**power - 1) for before, after in pairwise(rows)]
         return rows[0], float(np.abs(rows[0] - last).max())
 
     @classmethod
-    def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, float]]) -> _OwnSystem | None:
+    def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, ...]]) -> _OwnSystem | None:
         """The system at the states with an answer; None if short steps have no slopes there, or those of q'' = -q."""
         first, seen = cls(subject, states), list[tuple[Array, Array]]()
         for y in states:
@@ -113,16 +132,18 @@ class _OwnSystem:
                 if off > _ROUGH * (1 + hypot(*slopes)):  # as where each step jumps
                     return None
                 seen.append((np.array(y), slopes))
-        rates = [float(np.hypot(*(g - f)) / np.hypot(*(z - y))) for (y, f), (z, g) in pairwise(seen)]
+        rates = [float(np.linalg.norm(g - f) / np.linalg.norm(z - y)) for (y, f), (z, g) in pairwise(seen)]
         # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.
-        turned = np.array([[slopes[1], -slopes[0]] for _, slopes in seen])
+        turned = np.array([[slopes[1], -slopes[0], *slopes[2:]] for _, slopes in seen])
         if not rates or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
             return None
-        return cls(subject, [(float(q), float(v)) for (q, v), _ in seen], 2.0 ** -round(log2(max(*rates, _ROUGH))))
+        return cls(subject, [tuple(y.tolist()) for y, _ in seen], 2.0 ** -round(log2(max(*rates, _ROUGH))))
 
     @property
     def words(self) -> str:
         """The system in words, as it is near (0, 0), if it has slopes there."""
+        if self.size > 2:
+            return f"one of {self.size} numbers"
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
@@ -146,14 +167,14 @@ class _OwnSystem:
         if not far:
             raise OwnSystem(f"{system}: on it its steps are those of {key}, to {off:.0e}")
         near, different = self._off_near_rest(wanted)
-        if not different:
+        if not different and self.size == 2:
             raise OwnSystem(f"{system}: near (0, 0) its steps are those of {key}, to {near:.0e}; elsewhere {far}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def _off_near_rest(self, wanted: Specification) -> tuple[float, str]:
         """How far steps of tiny states are off, where the system is at rest in (0, 0)."""
         with suppress(Misbehaviour, ArithmeticError, MethodError):
-            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:
+            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:  # of more numbers, all are seen
                 return self._off(wanted, _TINY)
         return 0.0, "it is not at rest"
 
@@ -164,16 +185,16 @@ class _OwnSystem:
         """
         method, found, why = of_one_state(wanted.method), list[float](), ""
         allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-        for t, share, (q, v) in product(_TIMES, _COMPARED, self.states):
-            y, h = (size * q, size * v), min(share * self.unit, wanted.domain.largest_step)
+        for t, share, state in product(_TIMES, _COMPARED, self.states):
+            y, h = tuple(size * x for x in state), min(share * self.unit, wanted.domain.largest_step)
             try:
-                seen, told = self.subject.step(*y, h, t), self.step(method, t, y, h)
+                seen, told = tuple(self._end(t, y, h)), self.step(method, t, y, h)
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 continue
             found.append(max(abs(a - b) for a, b in zip(seen, told, strict=True)) / max(map(abs, (size, *y, *told))))
             if not found[-1] <= allowed:
-                return found[-1], f"a step of {h:g} from {y} ends in {seen}, where {method.key} ends in {tuple(told)}"
+                return found[-1], f"a step of {h:g} from {_ends(y, seen, method, told)}"
         if not found:
             raise MethodError(why)
         return max(found), ""
@@ -181,8 +202,10 @@ class _OwnSystem:
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step. Raises MethodError, or ArithmeticError if its stages do not settle."""
         if not isinstance(method, RungeKutta | Collocation):
-            (moved, still), (_, pushed) = self.slopes(t, (y[0], 1.0)), self.slopes(t, (y[0], -1.0))
-            if abs(moved - 1) + abs(pushed - still) > _HALF_THE_DIGITS * (1 + abs(still)):
+            half, odd = divmod(self.size, 2)
+            up, down = (np.array(self.slopes(t, [*y[:half], *[v] * (half + odd)])) for v in (1.0, -1.0))
+            off = [*(up[:half] - 1), *(up - down)[half:]]
+            if odd or np.abs(off).sum() > _HALF_THE_DIGITS * (1 + np.abs(up).sum()):
                 raise MethodError("it is not q'' = F(q)")
             with ctx.workprec(BITS):
                 return [float(x) for x in own_step(method, self.problem, t, y, h)]
@@ -193,6 +216,14 @@ class _OwnSystem:
         if not done:
             raise ArithmeticError(f"the stages of {method.key} do not settle")
         return [float(x) for x in end]
+
+
+def _ends(y: Sequence[float], seen: Sequence[float], method: Method, told: Sequence[float]) -> str:
+    """The ends of a step from y and of that of a method, in words: of many numbers, those that differ most."""
+    if len(y) <= 3:
+        return f"{y} ends in {seen}, where {method.key} ends in {tuple(told)}"
+    worst = max(range(len(y)), key=lambda i: abs(seen[i] - told[i]))
+    return f"({y[0]:g}, {y[1]:g}, ...): number {worst} becomes {seen[worst]}, in {method.key} {told[worst]}"
 
 
 def _settled(slopes: Any, before: Any) -> bool:

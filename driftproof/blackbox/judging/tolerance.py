@@ -14,7 +14,7 @@ from flint import arb, arb_poly, ctx
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
 from driftproof.methods.catalogue import of_one_state
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
@@ -25,13 +25,16 @@ from driftproof.symbolic.runs import apply, exact_matrix_at
 # A product of two doubles needs 106 bits, and a step of the longest program some 30 products. At this precision the
 # radii of all balls here are below 2**-200 of what they enclose, so every comparison with a bound of size u is decided.
 _BITS = 320
+# A stage may be an average of states and a slope, as the last one of Heun's method is in (y + y1 + h f(y1))/2. That
+# takes each of its terms through at most four roundings (a weight, its product, two sums), and a sum of slopes one.
+AVERAGES = 4
 
 
 class Judgement(NamedTuple):
     """The error of one component of a step: `ratio` to its bound, and `scaled` to u times the sum of |monomials|.
 
-    `allowed` is decided in balls; `ratio` and `scaled` are floats for people, and `scaled` is 0 in the range of
-    underflow.
+    `allowed`, by the bound or a multiple of it where stages may be averages, is decided in balls; `ratio` and `scaled`
+    are floats for people, and `scaled` is 0 in the range of underflow.
     """
 
     allowed: bool
@@ -91,8 +94,14 @@ class Tolerance:
                 # In the range of underflow, errors say nothing about the method.
                 unit = size * enclose(self.format.u)
                 unit = unit if bool(unit >= enclose(power_of_two(self.format.emin))) else arb.pos_inf()
-                judged.append(_judgement(abs(arb(got) - want), bound, unit))
+                judged.append(_judgement(abs(arb(got) - want), bound, unit, self.averages))
             return judged[0], judged[1]
+
+    @property
+    def averages(self) -> int:
+        """How many times the bound a step may be off that averages states of its stages; 1 if it has none."""
+        staged = isinstance(self.method, RungeKutta) and self.method.explicit and self.method.stages > 1
+        return AVERAGES if staged else 1
 
     def require_no_overflow(self, state: float, h: float) -> None:
         """Raise BadInput for sizes at which a sum of |monomials| overflows, so that no bound holds."""
@@ -140,10 +149,10 @@ class Tolerance:
         return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]
 
 
-def _judgement(error: arb, allowed: arb, unit: arb) -> Judgement:
+def _judgement(error: arb, bound: arb, unit: arb, times: int) -> Judgement:
     if not error.is_finite():
         return Judgement(False, inf, inf)
-    return Judgement(bool(error <= allowed), _ratio(error, allowed), _ratio(error, unit))
+    return Judgement(bool(error <= times * bound), _ratio(error, bound), _ratio(error, unit))
 
 
 def _ratio(error: arb, bound: arb) -> float:

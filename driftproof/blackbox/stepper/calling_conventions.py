@@ -183,10 +183,11 @@ class CallingConvention:
     def scaled(self, words: Sequence[str], by: float) -> CallingConvention | None:
         """The same convention with another mass, or another sign of the charge, called by these words; None if none is.
 
-        The force, or the fields, become `by` times what they were.
+        The force, or the fields, become `by` times what they were; an acceleration stays the same.
         """
         changed = {name: by * x for name, x in self.extra.items() if word_of(name) in words}
-        return replace(self, extra={**self.extra, **changed}, factor=by * self.factor) if changed else None
+        factor = self.factor if abs(self.factor) == 1 else by * self.factor
+        return replace(self, extra={**self.extra, **changed}, factor=factor) if changed else None
 
 
 def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[CallingConvention]:
@@ -272,8 +273,8 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
     factor, run, words = 1.0, GRID in roles, {*map(word_of, names)}
-    if {*MASSES} & words and not {*ROLES[FUNCTION]} & words and FUNCTION in roles:
-        return None  # whether get_acc(x, m) is a force or an acceleration shows in its calls: `plain_forms`
+    if {*MASSES} & words and any(is_called(FUNCTION, word) and VERBS.search(word) for word in words):
+        return None  # get_acc(x, m) may be asked with an array of masses: `plain_forms`
     # In f(x, y), as books write it, x is the time.
     meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
     meant |= {"q": "y"} if kind == FIELD else {}
@@ -295,15 +296,18 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
         elif kind == MAP and word in UNIT_PARAMETERS:
             extra[name] = 1.0
         elif kind == FORCE and word in MASSES:
-            extra[name], factor = MASS, factor * MASS
+            extra[name] = MASS
         elif word in COUNTS and (word != "l" or has_gradient(names)):  # of a sampler; of a pendulum, it is a length
             extra[name], run = 1, True
         else:
             return None
     if not set(open_roles) <= {TIME}:
         return None
-    handed = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
-    return CallingConvention(kind, tuple(order), extra, (), factor, 1.0 if handed.startswith("a") else factor, run)
+    called = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True))
+    if kind == FORCE and MASS in extra.values() and not is_acceleration(called[FUNCTION]):
+        factor *= MASS
+    carried = 1.0 if is_acceleration(called.get(CARRIED, "")) else factor
+    return CallingConvention(kind, tuple(order), extra, (), factor, carried, run)
 
 
 def size_name(names: Iterable[str]) -> str:
@@ -334,6 +338,11 @@ def role_of(name: str, roles: Iterable[str]) -> str | None:
 def is_called(role: str, word: str) -> bool:
     """True if a word is in use for a role; a function may have a verb before it, as get_acceleration."""
     return word in ROLES[role] or (role == FUNCTION and VERBS.sub("", word) in ROLES[role])
+
+
+def is_acceleration(name: str) -> bool:
+    """True if the name of a function, or of a slope that is handed on, says that it is no force: a, get_acc."""
+    return VERBS.sub("", word_of(name)).startswith("a")
 
 
 def word_of(name: str) -> str:

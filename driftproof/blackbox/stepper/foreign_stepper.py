@@ -148,12 +148,15 @@ class ForeignStepper(ForeignCode):
         positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
         return list(zip(positions, velocities, strict=True))
 
+    def step_state(self, y: Sequence[AnyNumber], h: AnyNumber, t: float = 0.0) -> list[AnyNumber]:
+        """One step of its built-in system from t, whose state is one array, a record or the like."""
+        answer = self.called({STATE: self.adapter.write(y), STEP: h, TIME: t}, f"state={[*y]!r}, h={h!r}", y)
+        return self.finite(self._read_state(answer, len(y), t + h), [*y, h])
+
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber, t: float) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
         if STATE in self.convention.order:
-            words = f"state=[{q!r}, {v!r}], h={h!r}"
-            answer = self.called({STATE: write([q, v]), STEP: h, TIME: t}, words, [q, v])
-            q1, v1 = self.finite(self._read_state(answer, 2, t + h), [q, v, h])
+            q1, v1 = self.step_state([q, v], h, t)
             return q1, v1
         roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: t}
         if CARRIED in self.convention.order:

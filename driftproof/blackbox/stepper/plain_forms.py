@@ -23,6 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     VERBS,
     has_gradient,
+    is_acceleration,
     required_names,
     word_of,
 )
@@ -54,7 +55,7 @@ _HEAVY = (2.0, 4.0, 8.0)
 _LEFT_THERE = 0.59375
 # A kick that differs by this part is one by another force: of two multistep methods, short kicks differ by less.
 _A_PART = 2.0**-5
-_ACCELERATIONS, _TRIAL = "acc", np.arange(1.0, 7.0)
+_TRIAL = np.arange(1.0, 7.0)
 
 
 def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -93,6 +94,9 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
             yield form
         elif call.stale or _pulls_back(call):
             yield lambda q, v, h: call.moved(None, q, v, h)
+        else:  # bodies that attract each other: three in space, of unequal masses
+            call.heavy, shape = _HEAVY, (2, len(_HEAVY), _IN_SPACE)
+            yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
     elif STATE in held and of_force:
         yield lambda f, t, y, h: call.solved(f, t, y, h)
     elif STATE in held:
@@ -139,7 +143,7 @@ class _Call:
         self.step, self.names, self.roles = step, names, roles
         function = next((name for name, role in roles.items() if role == FUNCTION), "")
         self.of_force, self.alike, self.sign = "force" in function.lower(), False, 1 - 2 * has_gradient([function])
-        divided = {_MASS, _BODIES} & {*roles.values()} and (self.of_force or _ACCELERATIONS in function.lower())
+        divided = {_MASS, _BODIES} & {*roles.values()} and (self.of_force or is_acceleration(function))
         self.heavy = _HEAVY if divided else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
 
@@ -186,7 +190,7 @@ class _Call:
         given: dict[str, Foreign] = {POSITION: system.places, VELOCITY: system.speeds, STEP: h, TIME: 0.0}
         given |= {FUNCTION: lambda *arguments: system.asked(*arguments), _MASS: system.masses, _BODIES: system.bodies}
         if handed:
-            given[CARRIED] = system.pushes(system.places) / system.factors ** handed.startswith("a")
+            given[CARRIED] = system.pushes(system.places) / system.factors ** is_acceleration(handed)
         given |= left or {}
         answer, outs = self._called(given, system.places)
         kept = answer is None or answer is system.bodies

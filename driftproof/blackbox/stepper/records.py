@@ -25,6 +25,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     UNIT_PARAMETERS,
     VELOCITY,
     has_gradient,
+    is_acceleration,
     names_with_step,
     role_of,
     word_of,
@@ -221,7 +222,7 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     pushed = word_of(roles[FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         if (record := record_of(step, partial(called, stub))) is not None:
-            masses = {name: MASS for name in record.given if word_of(name) in MASSES and "acc" not in pushed}
+            masses = {name: MASS for name in record.given if word_of(name) in MASSES and not is_acceleration(pushed)}
             factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
             form = _form(called, record, slopes, masses, factor)
             yield form if TIME in roles else _untimed(form)

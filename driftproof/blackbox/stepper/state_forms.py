@@ -89,22 +89,27 @@ def columns_of(rows: int) -> ArrayAdapter:
     return ArrayAdapter(BATCH.name, write, lambda value, size: floats_in(as_array(value).T, size))
 
 
-def _vector(size: int) -> ArrayAdapter:
-    """The adapter of one vector of `size` coordinates, with 0 for the missing ones."""
+def _vector(size: int, name: str, first: int, others: Sequence[float]) -> ArrayAdapter:
+    """The adapter of one vector of `size` coordinates: those after the `first` ones are the `others` if missing."""
 
     def write(numbers: Sequence[AnyNumber]) -> Foreign:
         if len(numbers) > size:
             raise WrongShape(f"a vector of {size} numbers holds no {len(numbers)}")
-        return np.array([*numbers, *[0.0] * (size - len(numbers))])
+        return np.array([*numbers, *others[len(numbers) - size :][: size - len(numbers)]])
 
-    shown = f"numpy.array([{{}}{', 0.0' * (size - 1)}])"
-    return ArrayAdapter(f"NumPy vectors of {size}", write, partial(_first_of, size), shown=shown)
+    shown = f"numpy.array([{{}}{''.join(f', {x}' for x in others[first - size :])}])"
+    return ArrayAdapter(f"NumPy {name} of {size}", write, partial(_first_of, size), shown=shown)
 
 
 # For steps that multiply by a matrix of their own, or take a vector product.
-VECTORS = (_vector(2), _vector(3))
-# How many numbers make one body or one vector of an adapter.
+VECTORS = tuple(_vector(size, "vectors", 1, [0.0] * size) for size in (2, 3))
+# For steps of a system that has more numbers built in, such as bodies that attract each other.
+SYSTEMS = tuple(
+    _vector(size, "arrays", 2, [1 / (i + 2) for i in range(size)]) for size in (*range(3, 9), 10, 12, 13, 18)
+)
+# How many numbers make one body, one vector or one state of an adapter.
 TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
+TOGETHER |= {each.name: int(each.name.split()[-1]) for each in SYSTEMS}
 
 
 def _of_library(names: str, make: Callable[[Any], Foreign], shown: str, **how: Any) -> Iterator[ArrayAdapter]:

@@ -6,6 +6,7 @@ import re
 from math import pi
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.families.multistep import read_start
@@ -215,3 +216,41 @@ def test_of_one_that_needs_no_start_the_first_step_is_looked_at():
     *_, begun, ended = read_start(runs, read_recurrence(runs)).lines
     assert begun.endswith(" (slopes: 1.47, 1.44, 1.32, 1.04, 0.97, 0.99, 0.99)")
     assert ended.endswith(" (slopes: -0.20, -0.11, -0.06, -0.03, -0.01)")
+
+
+def late_bashforth(late=0.0):
+    """Adams-Bashforth of two steps after one of Euler's; earlier states are asked at a time that is `late`."""
+
+    def run(f, t, y, h, n):
+        states = [np.asarray(y, float)]
+        for i in range(n):
+            at, here = t + i * h, f(t + i * h, states[-1])
+            before = f(at - h + late * h, states[-2]) if i else here
+            states.append(states[-1] + h / 2 * (3 * here - before))
+        return np.array(states)
+
+    return run
+
+
+def late_bdf2(late=0.0):
+    def run(f, t, y, h, n):
+        states = [np.asarray(y, float)]
+        for i in range(n):
+            known, part = (4 * states[-1] - states[-2]) / 3 if i else states[-1], 2 * h / 3 if i else h
+            z = states[-1]
+            for _ in range(100):
+                z = known + part * f(t + (i + 1 - late) * h, z)
+            states.append(z)
+        return np.array(states)
+
+    return run
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("made", "key"), [(late_bashforth, "adams_bashforth2"), (late_bdf2, "bdf2")])
+def test_a_method_that_is_called_at_wrong_times_is_told_by_its_steps_without_time(made, key):
+    assert verify(made(), key, isolate=False).verdict.startswith(f"is {key} in steps of equal length")
+    late = verify(made(1.0), key, isolate=False)
+    assert late.passed is False
+    assert f"it is {key} called at wrong times: it is that method only where F does not depend on t" in late.verdict
+    assert "instead of" not in late.text()

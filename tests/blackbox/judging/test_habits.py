@@ -94,3 +94,22 @@ def test_what_explains_a_step_is_what_it_was(name, as_before):
     solved = NO_ALLOWANCE if METHODS[key].explicit else Allowance(solver_tolerance=1e-9)
     found = explain_by_habits(opened(asked.code), Specification(METHODS[key], solved), examples=60)
     as_before(found.holds, found.but_for, *found.lines, asked)
+
+
+def averaged(part):
+    def step(f, t, y, h):
+        y1 = y + h * f(t, y)
+        return part * (y + y1 + h * f(t + h, y1))
+
+    return step
+
+
+def test_a_last_stage_that_is_an_average_has_roundings_of_its_own_and_other_faults_beside_them():
+    found = verify(averaged(0.5), "heun2", isolate=False)
+    assert found.passed
+    assert (
+        "1000 steps within 4 times the derived bound, as in averages of stages, the largest error 1.1" in found.verdict
+    )
+    assert not verify(averaged(0.5 + 2e-15), "heun2", isolate=False).passed
+    few = verify(lambda f, t, y, h: averaged(0.5)(f, t, y, float(np.float32(h))), "heun2", isolate=False)
+    assert few.verdict == "is not heun2 to roundoff; it is, if h is rounded to binary32 first"

@@ -94,6 +94,37 @@ class Lorenz:
         self.state = self.advance(self.state, 0.0, self.dt)
 
 
+def lorenz(of=3):
+    advance = rk4_of(Lorenz().rate, of=of)
+    return lambda s, dt: advance(s, 0.0, dt)
+
+
+def heat(part=1.0):
+    """Euler's method between two ends at which nothing moves."""
+
+    def step(u, dt):
+        slopes = np.zeros_like(u)
+        slopes[1:-1] = u[2:] - 2 * u[1:-1] + u[:-2]
+        return u + part * dt * slopes * (1 + 50 * (part != 1) * dt)
+
+    return step
+
+
+def attraction(pos, mass):
+    apart = pos[None] - pos[:, None]
+    return (apart * ((apart**2).sum(-1) + 1e-4)[..., None] ** -1.5 * mass[None, :, None]).sum(1)
+
+
+def galaxy(stale=False, masses=1.0):
+    def step(pos, vel, mass, dt):
+        acc = attraction(pos, mass)
+        vel = vel + 0.5 * dt * acc
+        pos = pos + dt * vel
+        return pos, vel + 0.5 * dt * (acc if stale else attraction(pos, mass**masses))
+
+    return step
+
+
 def moved(made, h):
     made.dt = h
     made.step()
@@ -107,6 +138,9 @@ RIGHT = {
     "not smooth": (on(rubbing), "rk4", "its system is built in, not q'' = -q but another one: on it"),
     "a pendulum": (leapfrog(), "velocity_verlet", "q' = v, v' = -9.81 q near (0, 0): on it"),
     "implicit": (backward, "backward_euler", "v' = -15 q - 0.1 v: on it", SOLVED),
+    "three numbers": (lorenz(), "rk4", "q'' = -q but one of 3 numbers: on it its steps are those of rk4"),
+    "a grid": (heat(), "forward_euler", "one of 3 numbers: on it its steps are those of forward_euler"),
+    "three bodies": (galaxy(), "velocity_verlet", "one of 18 numbers: on it its steps are those of velocity_verlet"),
     "singular": (attracted, "midpoint2", "but another one: on it"),
     "a drag in a splitting": (
         dragged,
@@ -129,6 +163,10 @@ WRONG = {
     "implicit": (backward, "trapezoid", "is not trapezoid", SOLVED),
     "another method": (attracted, "heun2", "where heun2 ends in"),
     "of three numbers": (stepper_of(lambda: Lorenz(2), state="state", advance=moved), "rk4", "where rk4 ends in"),
+    "a slope of three numbers": (lorenz(2), "rk4", "one of 3 numbers: a step of"),
+    "a grid": (heat(0.5), "forward_euler", "one of 3 numbers: a step of"),
+    "three bodies": (galaxy(True), "velocity_verlet", "one of 18 numbers: a step of"),
+    "three masses": (galaxy(masses=0.5), "velocity_verlet", "one of 18 numbers: a step of"),
     "a drag per step": (lambda x, v, dt: (x + dt * v, 0.99 * v - 15 * dt * x), "forward_euler", "halving h doubles it"),
     "no slopes": (lambda x, v, dt: (x + dt * v, v - x), "forward_euler", "h is missing"),
     "q'' = -q": (on(lambda t, x, v: (v, -x), of=2), "rk4", "is not rk4"),
