@@ -43,7 +43,7 @@ from driftproof.blackbox.stepper.function_wrappers import (
 
 _RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
 # The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
-_PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
+PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
 _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
 
 
@@ -155,7 +155,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
     asked = {x: (required_names(getattr(cls, x)) or [])[1:] for x in _methods(cls) if role_of(x, (FUNCTION,))}
-    pushed = [each for each in kept if each.lower() in _PUSHED and kind == FORCE]
+    pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
     # An input is None, if it is only handed on; the object has its state.
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
     calls = [without, *[call] * (without != call and len(call) == len(taken))]

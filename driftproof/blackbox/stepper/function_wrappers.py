@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
     COUNTS,
     FIELD,
     FORCE,
@@ -325,6 +326,14 @@ def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mappin
             pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
             later = call_by_names(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
             return run_of_steps(HEADS[kind], f"{BEFORE}, q", later, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+    states = [each for each in names if given[each] not in ("force", "h")]
+    if kind == FORCE and [given[each] for each in states] == ["q", "v", "force(q)", "ys[-2]"]:
+        with suppress(Exception):  # of the slope before, if it returns its state and both slopes in their order
+            trial = {**TRIAL_ARGUMENTS, "force(q)": 2.0, "ys[-2]": 3.0}
+            if [*step(**{each: trial[given[each]] for each in names})][3:] == [2.0]:
+                later = call_by_names(step, names, given | {each: f"ys[-1][{i}]" for i, each in enumerate(states)})
+                start, found = f"(q, v, force(q), force({BEFORE}))", "[y[0] for y in ys], [y[1] for y in ys]"
+                return run_of_steps(HEADS[kind], start, later, found=found)
     if kind == MAP:
         head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
         return f"{head}  # a method of two steps is read if its force is an argument"
@@ -367,6 +376,8 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
         roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
         if kind != FIELD and "q" in given.values() and STATE in roles:
             roles.remove(STATE)
+        if kind == FORCE and FUNCTION in roles and any("force" in text for text in given.values()):
+            roles.remove(FUNCTION)
         role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
         if role is not None:
             function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
@@ -379,6 +390,8 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
             if text not in given.values():
                 given |= {each: text for each in open_names if each not in given and word_of(each) in known}
     given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
+    if kind == FORCE and any("force" in text for text in given.values()):
+        given |= {each: "force(q)" for each in open_names if role_of(each, (CARRIED,))}
     if kind != FIELD:
         given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
     if kind == MAP and not {"q", "v"} <= {*given.values()}:

@@ -26,9 +26,16 @@ from driftproof.blackbox.stepper.calling_conventions import (
     has_gradient,
     names_with_step,
     required_names,
+    role_of,
     word_of,
 )
-from driftproof.blackbox.stepper.class_wrappers import attribute_of, class_run_wrapper, function_argument, put_wrapper
+from driftproof.blackbox.stepper.class_wrappers import (
+    PUSHED,
+    attribute_of,
+    class_run_wrapper,
+    function_argument,
+    put_wrapper,
+)
 from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
     FIRST_STEP_UNTIMED,
@@ -111,7 +118,30 @@ def _kept_wrapper(cls: type, made: Any, advance: str) -> str:
     """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
     pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
     line = "" if pushed else put_wrapper(cls, made, advance)
-    return line or ("" if further_names(cls, advance) else _state_wrapper(cls, made, advance))
+    if line or further_names(cls, advance):
+        return line
+    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+
+
+def _two_positions_wrapper(cls: type, advance: str) -> str:
+    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
+
+    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
+    """
+    with suppress(Exception):
+        makes = ", ".join("0.0" for _ in required_names(cls) or ())
+        kept = vars(cls(*[0.0 for _ in required_names(cls) or ()]))
+        before = next(each for each in kept if is_before(each))
+        q = next(each for each in kept if role_of(each, (POSITION,)))
+        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
+            return ""
+        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else ("", "")
+        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
+        push = push or next(f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED)
+        begin = f"made = {name_of(cls)}({makes}); made.{q}, made.{before} = {whole}q, {whole}{BEFORE}; "
+        later = f"({push}force(made.{q}{first})), made.{advance}(h), 1.0 * made.{q}{first})[2]"
+        return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+    return ""
 
 
 def further_names(cls: type, advance: str) -> list[str]:

@@ -128,7 +128,8 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
         kind = calling.conventions_of(known["wrapped"])[0].kind
         subject = opened(known["wrapped"], kind)
-        steps, state = subject.shortest, TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
+        state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
+        steps = _LONGER if subject.convention.run else 1
         subject = replace(subject, convention=subject.convention.of_steps(steps))
         if kind == calling.FIELD:
             end = subject.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 1.0, state, _TINY)
@@ -141,7 +142,7 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     except Exception as failure:
         if "NameError" in str(failure):
             return line
-        seen = str(failure)
+        seen = " ".join(str(failure).split())
     else:
         moved = [abs(x - y) / _TINY / steps for x, y in zip(end, state, strict=True)]
         if all(1 / _WITHIN < x < _WITHIN for x in moved):
