@@ -129,8 +129,8 @@ def _two_positions_wrapper(cls: type, advance: str) -> str:
     Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
     """
     with suppress(Exception):
-        makes = ", ".join("0.0" for _ in required_names(cls) or ())
-        kept = vars(cls(*[0.0 for _ in required_names(cls) or ()]))
+        start = [0.0 for _ in required_names(cls) or ()]
+        kept = vars(cls(*start))
         before = next(each for each in kept if is_before(each))
         q = next(each for each in kept if role_of(each, (POSITION,)))
         if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
@@ -138,7 +138,8 @@ def _two_positions_wrapper(cls: type, advance: str) -> str:
         first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else ("", "")
         push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
         push = push or next(f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED)
-        begin = f"made = {name_of(cls)}({makes}); made.{q}, made.{before} = {whole}q, {whole}{BEFORE}; "
+        begin = f"made = {name_of(cls)}({', '.join(map(str, start))}); "
+        begin += f"made.{q}, made.{before} = {whole}q, {whole}{BEFORE}; "
         later = f"({push}force(made.{q}{first})), made.{advance}(h), 1.0 * made.{q}{first})[2]"
         return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
     return ""
@@ -328,7 +329,7 @@ class _Made(NamedTuple):
         try:
             self.stepped(self.new(start, 0.0), start, 0.0)
         except Exception as failure:
-            texts = {"1": "len(y)"}
+            texts = {"1": "len(y)"} if self.kind == FIELD else {}
             if isinstance(failure, AttributeError) and callable(failure.obj):
                 texts = {function: f'type("Made", (), {{"{failure.name}": staticmethod({function})}})'}
             other = self._replace(arguments={each: texts.get(text, text) for each, text in self.arguments.items()})
@@ -355,11 +356,8 @@ class _Made(NamedTuple):
         known = {"t": t, "h": 0.25, "[q, v]": np.array(state), "1": 1, "len(y)": np.size(state[0])}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
-        method = next((name.split('"')[3] for name in names.values() if name.startswith("type(")), "")
-        return [
-            SimpleNamespace(**{method: known["f"]}) if name.startswith("type(") else known.get(name)
-            for name in names.values()
-        ]
+        known |= {name: SimpleNamespace(**{name.split('"')[3]: known["f"]}) for name in names.values() if '"' in name}
+        return [known.get(name) for name in names.values()]
 
     def _carries(self) -> bool:
         """True if steps change more than its state and its time, or are not those of a new stepper in the same state.

@@ -140,7 +140,7 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     except (StaleSlope, OwnClock, Exchanged, Increment):
         return line
     except Exception as failure:
-        if "NameError" in str(failure):
+        if isinstance(failure, NameError) or "NameError" in str(failure):
             return line
         seen = " ".join(str(failure).split())
     else:
