@@ -16,7 +16,7 @@ import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, Solution, TooSlow
+from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
@@ -30,8 +30,8 @@ _Slope: TypeAlias = Callable[[float], float]
 # The shorter span is for estimates with a wrong stage, O(h^2), which take some thousand steps.
 _SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
 # |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
-# methods of low order, which take too many steps at the smaller one.
-_RTOL, _ATOLS = 1e-13, (1e-7, 1e-4)
+# methods of low order, which take too many steps at the smaller one, the loose one for their errors per unit of time.
+_RTOL, _ATOLS, _LOOSE = 1e-13, (1e-7, 1e-4), 1e-3
 # A law must give every factor to this relative accuracy: the scale is known better, and its exponents are small.
 _CLOSE = 1e-4
 # An estimate may be the difference of two states below 1, of which each rounds by u and each sum before it by less.
@@ -48,6 +48,8 @@ _LEAST_REMEMBERED = 1e-3
 _LEAST_SAFETY = 0.5
 # Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
 _MOST_ACCEPTED = 10.0
+# Two tolerances; a step size follows them as if the order of the estimate were less by more than this only if it is.
+_TWO, _LESS = (1e-5, 1e-7), 1.5
 # Of an estimate that is divided by h (burden-faires, section 5.5).
 _PER_UNIT = "per unit of time"
 # As many factors have codes that halve and double their steps; chosen with room.
@@ -78,9 +80,9 @@ class Attempt(NamedTuple):
 class Law:
     """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
 
-    r is the error over the tolerance, by the estimate of the pair `estimate`. `smallest` and `largest` are None if no
-    factor was clipped there. `after_rejection` is true if steps after a rejected one do not grow, `exception` says
-    which other steps do not follow the law. `accepted` is the largest r of an accepted step.
+    r is the error over the tolerance, by the estimate of the pair `estimate`. `smallest`, `largest` and `longest` are
+    None if no factor was clipped there, and no step. `after_rejection` is true if steps after a rejected one do not
+    grow, `exception` says which other steps do not follow the law. `accepted` is the largest r of an accepted step.
     """
 
     estimate: str
@@ -90,9 +92,15 @@ class Law:
     filtered: Fraction | float
     smallest: float | None
     largest: float | None
+    longest: float | None
     after_rejection: bool
     accepted: float
     exception: str
+
+    def logs(self, p: _Point) -> tuple[float, float]:
+        """The logs of the factor after an attempt if nothing limits it, with the memory of the law and without it."""
+        forgetful = log(self.safety) - self.exponent * p.error
+        return forgetful + self.memory * p.before + self.filtered * p.growth, forgetful
 
     @property
     def words(self) -> str:
@@ -102,6 +110,7 @@ class Law:
         before += f" (h/h_before)^({_shown(self.filtered)})" if self.filtered else ""
         low = "no smallest factor observed" if self.smallest is None else f"at least {self.smallest:.4g}"
         high = "no largest observed" if self.largest is None else f"at most {self.largest:.4g}"
+        high += "" if self.longest is None else f", no step above {self.longest:.4g}"
         beyond = f", accepting up to {self.accepted:.3g} times the tolerance" * (self.accepted > 1 + _CLOSE)
         kind = "PI" if self.memory or self.filtered else "not PI"
         return f"h_next/h = {power}{before}, {low}, {high}{beyond} ({kind}){self.exception}"
@@ -157,7 +166,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
         if 1 < len(few) <= _FEW:
             seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
-        return ControllerReading(None, (seen, counts), traces)
+        return ControllerReading(None, (seen, counts), traces or tuple(_of_low_order(subject, steps)))
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
@@ -187,6 +196,25 @@ def _elsewhere(
         yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
 
 
+def _of_low_order(subject: ForeignSolver, steps: SolverSteps) -> Iterator[str]:
+    """Say that a smaller tolerance takes far more calls than the order of the estimate needs, per unit of time or not.
+
+    The step size follows the tolerance to the power 1/p of an estimate O(h^p).
+    """
+    power = min((min(m.claimed_order, m.embedded_order or 0) for m in steps.pairs), default=0)
+    calls = list[int]()
+    for tol in _TWO if power > _LESS else ():
+        try:
+            calls.append(len(subject.solve(lambda n, t, y: [y[1], -y[0]], _SPAN, (1.0, 0.0), tol, tol).calls))
+        except TooSlow:
+            calls.append(MOST_CALLS_OF_A_RUN)
+        except Misbehaviour:
+            return
+    if calls and calls[1] > calls[0] * (_TWO[0] / _TWO[1]) ** (1 / (power - _LESS)):
+        seen = f"on q'' = -q it makes {calls[0]} calls of f at a tolerance of {_TWO[0]:g}, {calls[1]} at {_TWO[1]:g}"
+        yield f"{seen}: far more than an estimate O(h^{power}) needs, as if one of its coefficients were another"
+
+
 def _wrong_exponent(law: Law) -> Iterator[str]:
     """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
     method = METHODS.get(law.estimate.removesuffix(f" {_PER_UNIT}"))  # a blend has no order of its own
@@ -207,11 +235,10 @@ def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
         return subject.solve(lambda n, t, y: [slope(t)], _SPAN, (0.0,), _RTOL, atol), atol, slope
 
     without_jumps: _Slope = partial(bumps, between=-1.0 / (1.0 + (_WIDTH / 2) ** 4))
-    *tried, last = product([bumps, without_jumps], _ATOLS)
-    for each in tried:
+    for each in product([bumps, without_jumps], _ATOLS):
         with suppress(Misbehaviour, TooSlow):
             return solved(*each)
-    return solved(*last)
+    return solved(without_jumps, _LOOSE)
 
 
 def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
@@ -284,7 +311,8 @@ class _Point(NamedTuple):
     """An attempt and the `factor` of the step size after it.
 
     `error` and `before` are log r of this and of the last accepted step, `growth` is the log of h over the h of that.
-    `rounded` is the part of r that rounding of the states may change.
+    `rounded` is the part of r that rounding of the states may change. `longest` is the size of the next step if no
+    other is longer, else 0.
     """
 
     error: float
@@ -295,6 +323,7 @@ class _Point(NamedTuple):
     accepted: bool
     rejections: int
     at_jump: bool
+    longest: float = 0.0
 
 
 def _points(
@@ -305,15 +334,16 @@ def _points(
     assert isinstance(pair, RungeKutta)
     a, c = [[*map(float, row)] for row in pair.a], [*map(float, pair.c)]
     before, length = log(_LEAST_REMEMBERED), attempts[0].h  # the first error remembered is the code's own
+    longest = max(each.h for each in attempts)
     for each in attempts:
         times = [each.start + x * each.h for x in c]
         r = estimate([k for (k,) in stage_slopes(a, c, rate, each.start, each.h, states[each.start])], each.h) / atol
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
-            growth = log(each.h / length)
-            yield _Point(
-                log(r), _ROUNDED / (r * atol), before, growth, each.factor, each.accepted, each.rejections, at_jump
-            )
+            growth, later = log(each.h / length), each.factor * each.h
+            later *= _is_same(later, longest)
+            rounded = _ROUNDED / (r * atol)
+            yield _Point(log(r), rounded, before, growth, each.factor, each.accepted, each.rejections, at_jump, later)
         if each.accepted and r > 0:
             before, length = log(r), each.h
 
@@ -321,12 +351,9 @@ def _points(
 def _law(name: str, points: Sequence[_Point]) -> Law | None:
     """The law in this estimate, or None: fitted to the steps that no limit clips, then compared with all."""
     factors = [p.factor for p in points if p.rejections <= 1]
-    # The extreme factors are limits if several steps have them.
-    ends = max(factors), min(factors)
-    largest, smallest = (end if sum(_is_same(x, end) for x in factors) > 1 else None for end in ends)
-    limits = (largest, smallest, 1.0)
-    unclipped = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
-    free = [p for p in unclipped if p.rounded <= _CLOSE]
+    smallest, largest = min(factors), max(factors)
+    known = [p for p in points if not (p.rejections or p.longest or p.rounded > _CLOSE)]
+    free = [p for p in known if not any(_is_same(p.factor, x) for x in (smallest, largest, 1.0))]
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     found = _fitted(free, 2) or _fitted(remembered, 3) or _fitted(remembered, 4)
     if found is None:
@@ -335,9 +362,15 @@ def _law(name: str, points: Sequence[_Point]) -> Law | None:
     held = [p.factor for p in points if p.accepted and p.rejections]
     accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
     safety, after = exp(found[0]), bool(held) and max(held) <= 1 + _CLOSE
-    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, accepted, "")
-    exception = _exception(points, law, min(factors), max(factors))
-    return None if exception is None else replace(law, exception=exception)
+    law = Law(name, safety, exponent, memory, filtered, smallest, largest, None, after, accepted, "")
+    if (exception := _exception(points, law, smallest, largest)) is None:
+        return None
+    cut = [(p, log(p.factor) - max(law.logs(p))) for p in points if p.rejections <= 1]  # by limits: not 0
+    low = any(x > _CLOSE and _is_same(p.factor, smallest) for p, x in cut)
+    high = any(x < -_CLOSE and _is_same(p.factor, largest) and not p.longest for p, x in cut)
+    long = [p.longest for p, x in cut if p.longest and x < -_CLOSE and not (high and _is_same(p.factor, largest))]
+    limits = smallest if low else None, largest if high else None, long[0] if long[1:] else None
+    return Law(name, safety, exponent, memory, filtered, *limits, after, accepted, exception)
 
 
 def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str | None:
@@ -349,13 +382,13 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
     others: list[tuple[_Point, float]] = []
     for p in known:
-        forgetful = log(law.safety) - law.exponent * p.error
-        remembering = forgetful + law.memory * p.before + law.filtered * p.growth
+        remembering, forgetful = law.logs(p)
         # Where rounding may be more than r, the step still grows as after an error of both together.
         doubtful = min(remembering, forgetful) - law.exponent * log1p(p.rounded)
         *said, least = (exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful, doubtful))
         short = p.rounded > 1 and not p.rejections and p.factor < least * (1 - _CLOSE)
-        if short or not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
+        cut = p.longest and p.factor < said[0]
+        if short or not (cut or any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0))):
             others.append((p, said[0]))
     if 2 * len(others) >= len(known):
         return None
@@ -391,6 +424,8 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
 
     found = next((each for each in tried if np.ptp(left_by(each)) <= 2 * _CLOSE), None)
     if found is None or any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+        return None
+    if terms > 2 and isclose(found[0], found[1], abs_tol=_CLOSE):  # a law over itself one step before: no tolerance
         return None
     left = left_by(found)
     safety = float(left.max() + left.min()) / 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ from driftproof.blackbox.stepper.function_wrappers import (
 
 _RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
 # The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
-_PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
+PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
 _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
 
 
@@ -154,8 +155,11 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
     asked = {x: (required_names(getattr(cls, x)) or [])[1:] for x in _methods(cls) if role_of(x, (FUNCTION,))}
-    pushed = [each for each in kept if each.lower() in _PUSHED and kind == FORCE]
-    for name in (*asked, *pushed) if len(call) == len(taken) else ():
+    pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
+    # An input is None, if it is only handed on; the object has its state.
+    without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
+    calls = [without, *[call] * (without != call and len(call) == len(taken))]
+    for name, call in product((*asked, *pushed), calls):
         names, function = asked.get(name, []), function_of(kind)
         timed = kind == FORCE or any(role_of(each, (TIME,)) for each in names)
         if name not in asked:
@@ -164,6 +168,8 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
             function = "lambda q, *rest: force(q)"
         elif kind == FORCE and not names:
             function = f"lambda: force(made.{q})"
+        elif kind == FIELD and "None" in call.values():
+            function = f"lambda y, *rest: f({'t, ' * timed}y)"
         puts = {q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
         puts = {each: text for each, text in (puts | {size: "h", name: function}).items() if each}
         found = _Put(cls, start, puts, advance, [*call.values()], kind, vector)
@@ -227,7 +233,7 @@ class _Put(NamedTuple):
         """The object with all that is put into it."""
         values = self._values(state, pushed, made)
         for each, text in self.puts.items():
-            setattr(made, each, values.get(text, values["force"]))
+            setattr(made, each, values.get(text, values["f" if self.kind == FIELD else "force"]))
         return made
 
     def step(self, made: Any) -> Any:
@@ -242,4 +248,5 @@ class _Put(NamedTuple):
         held = {each: self.vector(x, 0.0) if self.vector else x for each, x in numbers.items()}
         force = lambda *x: pushed(x[0] if x else getattr(made, self.places[0]))
         field = lambda *x: pushed(np.asarray(max(x, key=np.size), float))
-        return {**held, "y": np.array(state), "h": 0.25, "t": 0.0, "0.0": 0.0, "1.0": 1.0, "f": field, "force": force}
+        known = {"h": 0.25, "t": 0.0, "None": None, "0.0": 0.0, "1.0": 1.0, "f": field, "force": force}
+        return {**held, **known, "y": np.array(state)}

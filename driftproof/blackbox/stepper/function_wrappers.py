@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
     COUNTS,
     FIELD,
     FORCE,
@@ -145,7 +146,7 @@ def list_wrapper(step: Callable[..., Any]) -> str:
             ys = [np.array([i / 4, i / 4]) for i in range(1 - size, 1)][::turned]
             values = {"f": lambda *x: np.ones(2), "t": 0.0, "ys": ys, "h": 0.25}
             if np.allclose(step(*[values[given[each]] for each in names]), 0.25, rtol=0, atol=2.0**-20):
-                call = _called(step, names, later_arguments(given, ys="ys[::-1]" if turned < 0 else "ys"))
+                call = call_by_names(step, names, later_arguments(given, ys="ys[::-1]" if turned < 0 else "ys"))
                 later = f"s(t + i * h, ys[-1]) if i < {size - 1} else {call}"
                 line = run_of_steps(HEADS[FIELD], "y", later, f"s = lambda t, y: {FIRST_STEP}; ")
                 return f"{line}  # begins with midpoint2"
@@ -176,8 +177,10 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     if len(given) < len(names):
         return ""
     head = HEADS[kind] if timed or kind != FIELD else "f, y, h"
-    whole = {"1": "n", "t + h": "t + n * h", "[t, t + h]": "[t, t + n * h]"}
+    whole = {"1": "n", "t + h": "t + n * h", "h": "n * h", "[t, t + h]": "[t, t + n * h]"}
     counts = (1, _RUN) if kind == FIELD and "1" in given.values() else (1,)  # some cannot end before their start does
+    if rows := {"[t, t + h]"} == {"[t, t + h]", "1"}.intersection(given.values()):
+        whole["[t, t + h]"] = "[t + i * h for i in range(n + 1)]"
     for many, count in product((False, True), counts):
         with suppress(Exception):
             values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
@@ -189,12 +192,12 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             places = [_end_of(found, values[each]) for each in states]
             if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
                 return ""  # what is not known to be a row of times need not be one
-            run = of_all.format(_called(step, names, given))
+            run = of_all.format(call_by_names(step, names, given))
             first, *last = ("".join(f"[{i}]" for i in place) for place in places)
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
-            if counts[1:] and (count > 1 or _remembers(step, names, given, places[0])):
-                run = _called(step, names, {each: whole.get(text, text) for each, text in given.items()})
+            if (rows or counts[1:]) and (count > 1 or _remembers(step, names, given, places[0])):
+                run = call_by_names(step, names, {each: whole.get(text, text) for each, text in given.items()})
                 return f"def wrapped({head}, n): return {run}{first.removesuffix('[-1]')}"
             return f"def wrapped({head}): return {run}{first}"
     return ""
@@ -221,7 +224,8 @@ def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[st
 
     def end(t: float, y: Any, n: int) -> Any:
         known = {**TRIAL_ARGUMENTS, "f": lambda *x: -max(x, key=np.size), "t": t, "y": y, "1": n, "t + h": t + n / 4}
-        known["[t, t + h]"] = np.array([t, t + n / 4])
+        span = [0, n] if "1" in given.values() else range(n + 1)
+        known |= {"h": n / 4, "[t, t + h]": np.array([t + i / 4 for i in span])}
         return reduce(getitem, where, step(*[known[given[each]] for each in names]))
 
     start = TRIAL_ARGUMENTS["y"]
@@ -287,7 +291,7 @@ def _pair_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
         if first == second and {"y[0]", "y[1]"} <= first.keys():
             time, x, v = (f"x[{first[each]}]" if each in first else each for each in ("t", "y[0]", "y[1]"))
             parts = [f"lambda *x: f({time}, numpy.array([{x}, {v}]))[{i}]" for i in (0, 1)]
-            call = _called(step, names, {**given, **dict(zip(functions, parts, strict=True))})
+            call = call_by_names(step, names, {**given, **dict(zip(functions, parts, strict=True))})
             return f"def wrapped({HEADS[FIELD]}): import numpy; return numpy.array({call})"
     return ""
 
@@ -305,22 +309,31 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, st
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    call = _called(step, names, {each: each.upper() for each in left} | {**given})
-    return f"def wrapped({HEADS[kind]}): return {call}{said}"
+    call = call_by_names(step, names, {each: each.upper() for each in left} | {**given})
+    head = HEADS[kind] if kind != FIELD or getattr(step, "timed", True) else "f, y, h"
+    return f"def wrapped({head}): return {call}{said}"
 
 
 def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The run of a function whose one argument not given is the state before; "" if it cannot be written."""
     given = dict.fromkeys(names, "ys[-2]") | {**given}
     if kind == FIELD and {"y", "h"} <= {*given.values()}:
-        later = _called(step, names, later_arguments(given))
+        later = call_by_names(step, names, later_arguments(given))
         line = run_of_steps(HEADS[kind], f"y, {FIRST_STEP}", later, first=1)
         return f"{line}  # a run of n steps, whose first is one of midpoint2"
     if kind == FORCE and {*given.values()} == {"force", "q", "h", "ys[-2]"}:
         with suppress(Exception):
             pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
-            later = _called(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
+            later = call_by_names(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
             return run_of_steps(HEADS[kind], f"{BEFORE}, q", later, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+    states = [each for each in names if given[each] not in ("force", "h")]
+    if kind == FORCE and [given[each] for each in states] == ["q", "v", "force(q)", "ys[-2]"]:
+        with suppress(Exception):  # of the slope before, if it returns its state and both slopes in their order
+            trial = {**TRIAL_ARGUMENTS, "force(q)": 2.0, "ys[-2]": 3.0}
+            if [*step(**{each: trial[given[each]] for each in names})][3:] == [2.0]:
+                later = call_by_names(step, names, given | {each: f"ys[-1][{i}]" for i, each in enumerate(states)})
+                start, found = f"(q, v, force(q), force({BEFORE}))", "[y[0] for y in ys], [y[1] for y in ys]"
+                return run_of_steps(HEADS[kind], start, later, found=found)
     if kind == MAP:
         head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
         return f"{head}  # a method of two steps is read if its force is an argument"
@@ -339,7 +352,7 @@ def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
     return {each: of_last.get(text, text) for each, text in given.items()}
 
 
-def _called(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
+def call_by_names(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
     """The call with what is given for each name, by place if that is the names' own order.
 
     What stands for a call of several statements is `written` by itself, those before the call between ‹ and ›.
@@ -363,6 +376,8 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
         roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
         if kind != FIELD and "q" in given.values() and STATE in roles:
             roles.remove(STATE)
+        if kind == FORCE and FUNCTION in roles and any("force" in text for text in given.values()):
+            roles.remove(FUNCTION)
         role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
         if role is not None:
             function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
@@ -375,6 +390,8 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
             if text not in given.values():
                 given |= {each: text for each in open_names if each not in given and word_of(each) in known}
     given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
+    if kind == FORCE and any("force" in text for text in given.values()):
+        given |= {each: "force(q)" for each in open_names if role_of(each, (CARRIED,))}
     if kind != FIELD:
         given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
     if kind == MAP and not {"q", "v"} <= {*given.values()}:

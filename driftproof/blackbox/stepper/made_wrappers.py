@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,9 +26,16 @@ from driftproof.blackbox.stepper.calling_conventions import (
     has_gradient,
     names_with_step,
     required_names,
+    role_of,
     word_of,
 )
-from driftproof.blackbox.stepper.class_wrappers import attribute_of, class_run_wrapper, function_argument, put_wrapper
+from driftproof.blackbox.stepper.class_wrappers import (
+    PUSHED,
+    attribute_of,
+    class_run_wrapper,
+    function_argument,
+    put_wrapper,
+)
 from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
     FIRST_STEP_UNTIMED,
@@ -108,11 +116,33 @@ def making(cls: type, kind: str, made: Any = None) -> str:
 
 def _kept_wrapper(cls: type, made: Any, advance: str) -> str:
     """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
-    makes = required_names(cls) or []
-    if further_names(cls, advance):
-        return ""
-    pushed = not makes and any(hasattr(cls, each) for each in _PUSHES)
-    return (not pushed and put_wrapper(cls, made, advance)) or _state_wrapper(cls, made, advance)
+    pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
+    line = "" if pushed else put_wrapper(cls, made, advance)
+    if line or further_names(cls, advance):
+        return line
+    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+
+
+def _two_positions_wrapper(cls: type, advance: str) -> str:
+    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
+
+    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
+    """
+    with suppress(Exception):
+        start = [0.0 for _ in required_names(cls) or ()]
+        kept = vars(cls(*start))
+        before = next(each for each in kept if is_before(each))
+        q = next(each for each in kept if role_of(each, (POSITION,)))
+        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
+            return ""
+        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else ("", "")
+        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
+        push = push or next(f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED)
+        begin = f"made = {name_of(cls)}({', '.join(map(str, start))}); "
+        begin += f"made.{q}, made.{before} = {whole}q, {whole}{BEFORE}; "
+        later = f"({push}force(made.{q}{first})), made.{advance}(h), 1.0 * made.{q}{first})[2]"
+        return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+    return ""
 
 
 def further_names(cls: type, advance: str) -> list[str]:
@@ -155,7 +185,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
         return ""
     if made.state <= called:
-        return made.line()
+        return made.fitted().line()
     with suppress(Exception):
         kept = made.new(_START[kind], 0.0)
         places = [attribute_of(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
@@ -293,6 +323,28 @@ class _Made(NamedTuple):
             later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
         return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
+    def fitted(self) -> _Made:
+        """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""
+        start, function = _START[self.kind], function_of(self.kind)
+        try:
+            self.stepped(self.new(start, 0.0), start, 0.0)
+        except Exception as failure:
+            texts = {"1": "len(y)"} if self.kind == FIELD else {}
+            if isinstance(failure, AttributeError) and callable(failure.obj):
+                texts = {function: f'type("Made", (), {{"{failure.name}": staticmethod({function})}})'}
+            other = self._replace(arguments={each: texts.get(text, text) for each, text in self.arguments.items()})
+            with suppress(Exception):
+                other.stepped(other.new(start, 0.0), start, 0.0)
+                return other
+        return self
+
+    def stepped(self, made: Any, state: Sequence[Any], t: float) -> tuple[Any, ...]:
+        """The state that is left or returned after a step of what was made."""
+        step = getattr(made, self.method[1:]) if self.method else made
+        found = step(*self._values(self.call, state, t))
+        found = [getattr(made, each) for each in self.kept] if self.kept else found
+        return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
+
     def new(self, state: Sequence[Any], t: float) -> Any:
         made = self.make(*self._values(self.arguments, state, t))
         for place, x in ((self.time, t), (self.size, 0.25)):
@@ -301,9 +353,10 @@ class _Made(NamedTuple):
         return made
 
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
-        known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
+        known = {"t": t, "h": 0.25, "[q, v]": np.array(state), "1": 1, "len(y)": np.size(state[0])}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
+        known |= {name: SimpleNamespace(**{name.split('"')[3]: known["f"]}) for name in names.values() if '"' in name}
         return [known.get(name) for name in names.values()]
 
     def _carries(self) -> bool:
@@ -312,18 +365,12 @@ class _Made(NamedTuple):
         It is False if no step can be made.
         """
 
-        def stepped(made: Any, t: float) -> tuple[Any, ...]:
-            step = getattr(made, self.method[1:]) if self.method else made
-            found = step(*self._values(self.call, state, t))
-            found = [getattr(made, each) for each in self.kept] if self.kept else found
-            return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
-
         with suppress(Exception):
             state = _START[self.kind]
             made = self.new(state, 0.0)
             before = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items()}
             for i in range(_TRIED):
-                found, anew = stepped(made, i / 4), stepped(self.new(state, i / 4), i / 4)
+                found, anew = (self.stepped(each, state, i / 4) for each in (made, self.new(state, i / 4)))
                 changed = {each for each, x in getattr(made, "__dict__", {}).items() if repr(x) != before.get(each)}
                 changed -= {*self.kept, self.time, attribute_of(made, TIME)}
                 if changed or not np.array_equal(np.array(found), np.array(anew)):

@@ -26,9 +26,9 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, owner_of
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
@@ -43,6 +43,8 @@ TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
 # A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10, which moves numbers
 # by no more than that, returns 0 to within the third, it is an increment.
 _SUSPICIOUS, _TINY, _NEAR = 0.5, 2.0**-10, 2.0**-8
+# A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
+_WITHIN = 8
 # A run of this many steps is longer than the start of any multistep method in use.
 _LONGER = 8
 # The relative distance allowed to times, velocities and masses: numbers of 11 bits are closer.
@@ -92,7 +94,9 @@ def opened(
         if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
             raise stale[0] from None
         line = wrapper_line(given)
-        raise BadInput(f"{_unfitting(given)}{line or template(given)}" if calls is None else f"{error}{line}") from None
+        if calls is not None:
+            raise BadInput(f"{error}{line}") from None
+        raise BadInput(f"{_unfitting(given)}{_tried_out(line, given) or template(given)}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
@@ -109,7 +113,7 @@ def opened(
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
     if found := systems if systems and not _stands_still(systems) else found:
         return found
-    line = wrapper_line(step) if inspect.isclass(step) else list_wrapper(given)
+    line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
     if line:
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
@@ -122,6 +126,50 @@ def _stands_still(subject: ForeignStepper) -> bool:
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def _tried_out(line: str, step: Callable[..., Any]) -> str:
+    """The wrapper, if it makes a short step of y' = 1 or q'' = 1 when it is pasted after the code; else what it lacks.
+
+    One that leaves something to write cannot be tried. What is wrong with the code itself is told when it is pasted.
+    """
+    text = line.removeprefix(": ").partition("  # ")[0]
+    if "wrapped" not in text:
+        return line
+    try:
+        exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
+        kind = calling.conventions_of(known["wrapped"])[0].kind
+        subject = opened(known["wrapped"], kind)
+        state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
+        steps = _LONGER if subject.convention.run else 1
+        subject = replace(subject, convention=subject.convention.of_steps(steps))
+        if kind == calling.FIELD:
+            end = subject.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 1.0, state, _TINY)
+        elif kind == calling.FORCE:
+            end = [*subject.step_with(lambda x: 1.0 + 0.0 * x, *TRIAL_STATE, _TINY)[1:]]
+        else:
+            return line
+    except (StaleSlope, OwnClock, Exchanged, Increment):
+        return line
+    except Exception as failure:
+        if isinstance(failure, NameError) or "NameError" in str(failure):
+            return line
+        seen = " ".join(str(failure).split())
+    else:
+        moved = [abs(x - y) / _TINY / steps for x, y in zip(end, state, strict=True)]
+        if all(1 / _WITHIN < x < _WITHIN for x in moved):
+            return line
+        seen = f"a step of {_TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
+    return f" a step(f, t, y, h) of your own that calls it; tried: {text}: {seen}"
+
+
+def _scope_of(step: Callable[..., Any]) -> dict[str, Any]:
+    """The names that a wrapper may use where it is pasted: those of the code's module, and of the code itself."""
+    made = getattr(step, "__self__", None)
+    owner = owner_of(step) if made is None or inspect.isclass(made) else type(made)
+    parts = [*vars(owner).values()] if inspect.isclass(owner) else [owner]
+    module = next((each.__globals__ for each in parts if hasattr(each, "__globals__")), {})
+    return {**module, name_of(owner).partition(".")[0]: owner, "made": made, name_of(step): step}
 
 
 def _unfitting(step: Callable[..., Any]) -> str:

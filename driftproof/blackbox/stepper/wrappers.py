@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from driftproof.blackbox.stepper.asked_functions import asked_step
 from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
     FUNCTION,
@@ -48,6 +49,8 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     if not line and not inspect.isclass(step):
         roles = {*map(plain_role, required_names(step) or ())}
         line = maker_wrapper(step) if roles and roles <= {FUNCTION, STEP} else function_wrapper(step)
+        if (not line or "  # " in line) and (asked := asked_step(step)):
+            line = function_wrapper(asked) or line
     return f": {line}" if line else ""
 
 

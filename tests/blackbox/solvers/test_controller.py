@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import exp, log
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -132,6 +133,46 @@ def test_a_solver_that_a_jump_stops_is_read_without_jumps(exponent):
     assert [fault.partition(",")[0] for fault in found.faults] == ["the exponent of the step size control is 1/5"] * (
         exponent == 1 / 5
     )
+
+
+TEXTBOOK = {"key": "fehlberg45", "exponent": 1 / 4, "safety": 0.84, "least": 0.1, "per_unit": True, "raises": True,
+            "grows_after_rejection": True, "norm": np.linalg.norm}  # fmt: skip
+
+
+def at_another_state(by):
+    return lambda stage, y, moved: moved + (moved - y) * by if stage == 5 else moved
+
+
+@pytest.mark.slow(keep=2)
+@pytest.mark.parametrize(("longest", "limits"), [
+    (10.0, (0.1, 4.0, None)), (0.25, (None, None, None)), (0.02, (None, None, 0.02)),
+])  # fmt: skip
+@pytest.mark.parametrize("by", [0.0, 1 / 250])  # 3554/2565 in place of 3544/2565 is as much
+def test_the_textbooks_own_control_is_read_also_where_one_step_alone_is_cut_by_a_limit(longest, limits, by):
+    """R = |e|/h and 0.84 (tol/R)^(1/4); the law over itself one step before, in which 0.84 cancels, is no law."""
+    found = read(adaptive(**TEXTBOOK, first_step=longest, longest=longest, state=at_another_state(by)))
+    law = found.law
+    assert (law.safety, law.exponent, law.memory, law.exception) == (0.84, Fraction(1, 4), 0, "")
+    assert [law.smallest, law.largest, law.longest] == [x and pytest.approx(x, rel=1e-4) for x in limits]
+    assert ("no step above 0.02 (" in law.words) == (longest == 0.02)
+    assert ["as if a stage of fehlberg45" in fault for fault in found.faults] == [True] * bool(by)
+
+
+@pytest.mark.parametrize(("key", "exponent", "by", "faults"), [
+    ("fehlberg45", 1 / 4, 0.0, 0), ("dormand_prince54", 1 / 5, 0.0, 0), ("bogacki_shampine32", 1 / 3, 0.0, 0),
+    ("fehlberg45", 1 / 4, 1 / 2500, 1),
+])  # fmt: skip
+def test_an_estimate_of_too_low_an_order_is_told_where_no_law_is_seen(key, exponent, by, faults):
+    lawless = lambda factor, rejections: factor * (1 + (1e4 * factor % 1) / 10)
+    per_unit = exponent == 1 / 4
+    found = read(adaptive(key, exponent=exponent, per_unit=per_unit, changed=lawless, state=at_another_state(by)))
+    assert found.law is None
+    assert ["calls of f at a tolerance of 1e-05" in fault for fault in found.faults] == [True] * faults
+
+
+def test_an_error_per_unit_of_time_of_low_order_is_read_and_is_not_said_never_to_end():
+    found = read(adaptive("heun_euler21", exponent=1, safety=0.9, per_unit=True))
+    assert (found.law.estimate, found.law.exponent) == ("heun_euler21 per unit of time", 1)
 
 
 @pytest.mark.slow(keep=1)

@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import BadInput, Misbehaviour, StepRaised
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget, in_binary32, taken_by
+from driftproof.blackbox.solvers.foreign_solver import (
+    DoesNotEnd,
+    ForeignSolver,
+    SolverTarget,
+    TooSlow,
+    in_binary32,
+    taken_by,
+)
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
@@ -60,6 +67,8 @@ def test_what_comes_instead_of_an_answer_is_named():
         ForeignSolver(lambda *_: (T, [1.0] * 4)).solve(lambda n, t, y: y, (0, 1), (1.0,))
     endless = adaptive(estimate=lambda e: [1.0, 0.0, 0.0, 0.0])
     with pytest.raises(DoesNotEnd, match="after 30000 calls"):
+        ForeignSolver(lambda f, *_: [*iter(lambda: f(0.5, np.ones(1)), None)]).solve(lambda n, t, y: y, (0, 1), (1.0,))
+    with pytest.raises(TooSlow, match="after 30000 calls"):  # it would end after some million
         ForeignSolver(endless).solve(lambda n, t, y: [1.0], (0.0, 1.0), (1.0,))
 
 

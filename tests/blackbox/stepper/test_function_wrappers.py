@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from driftproof import identify
 from driftproof.blackbox.families.reports import read_family
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper
@@ -306,3 +307,20 @@ def test_matrices_coefficients_and_launches_are_no_states_and_no_functions(step,
 def test_beside_a_likelier_name_h_and_epsilon_are_no_step_sizes():
     assert "return step(f, y, H, h)  # write values for H" in wrapper_line(lambda f, y, h, dt: y)
     assert opened(lambda q, p, grad_U, epsilon: (q + epsilon * p, p - epsilon * grad_U(q))).step(1.0, 0.0, 0.5)[1] < 0
+
+
+BEEMAN = """
+def beeman(force, x, v, a, a_prev, dt):
+    x1 = x + v * dt + (4 * a - a_prev) * dt**2 / 6
+    a1 = force(x1)
+    return x1, v + (2 * a1 + 5 * a - a_prev) * dt / 6, a1, a
+"""
+
+
+@pytest.mark.parametrize("right", [True, False])
+def test_a_step_that_takes_and_returns_two_accelerations_is_shown_a_run(right):
+    names = namespace(BEEMAN if right else BEEMAN.replace("4 * a", "3 * a"))
+    with pytest.raises(BadInput) as caught:
+        opened(names["beeman"])
+    exec(str(caught.value).partition("write: ")[2], names)
+    assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right

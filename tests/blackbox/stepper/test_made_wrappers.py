@@ -426,3 +426,32 @@ def test_a_class_whose_method_is_a_step_of_the_state_is_shown_an_object_of_it():
     assert "advance=lambda made, h: (setattr(made, 'dt', h), made.run_step())" in wrapper_line(names["Game"])
     assert [*keys_of(names["RK"](0.0, 1.0).step)] == ["forward_euler"]
     assert "symplectic_euler" in identify(names["Springs"]().step, isolate=False).verdict
+
+
+POINTS = """
+class Point:
+    def __init__(self, x, y):
+        self.pos, self.acc = np.array([x, y], float), np.zeros(2)
+        self.old_pos = self.pos.copy()
+    def apply_force(self, f):
+        self.acc = self.acc + f
+    def update(self, dt):
+        self.pos, self.old_pos = 2 * self.pos - self.old_pos + self.acc * dt * dt, self.pos
+        self.acc = np.zeros(2)
+
+class Bead:
+    def __init__(self, x):
+        self.x, self.x_prev, self.acc = x, x, 0.0
+    def move(self, dt):
+        self.x, self.x_prev = 2 * self.x - self.x_prev + self.acc * dt**2, self.x
+"""
+
+
+@pytest.mark.parametrize("name", ["Point", "Bead"])
+@pytest.mark.parametrize("right", [True, False])
+def test_an_object_of_two_positions_is_shown_a_run_that_sets_both(name, right):
+    names = namespace(POINTS if right else POINTS.replace("self.acc * dt", "self.acc / 2 * dt"))
+    with pytest.raises(BadInput) as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right
