@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -13,6 +14,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, ctx
 
+from driftproof.enclosure.certificate import decimal
+from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.problem_tables import problem_table, rational_entry
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
@@ -24,9 +27,10 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
+from driftproof.numeric.reference_errors import ENERGY, floors
 from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, read_toml
-from driftproof.symbolic.algebra.certified import Uncertified, significant
+from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
 
@@ -42,6 +46,9 @@ DEEPER_DIGITS = 10
 # Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
+# A double 9.81 in f and the exact one in an energy make it change by some u of its terms: less than this many u is said
+# to be conserved.
+CONSTANTS_OFF = 1e6
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
 
@@ -85,7 +92,23 @@ def _problem(table: TomlTable, name: str) -> Problem:
     with suppress(MethodError):
         second_order = bool(field.second_order())
     found = Problem(name, title, field, start, reference, name, energy, second_order, matrix=matrix_in(field))
+    if energy is not None:
+        _require_conserved(found, energy)
     return replace(found, unknowns=unknowns)
+
+
+def _require_conserved(problem: Problem, energy: str) -> None:
+    """Raise ValueError if the solution changes the energy by more than ten digits of doubles in f or in it explain."""
+    function, least = field_function(problem.field, (energy,)), 0.0
+    with ctx.workprec(BITS_AT_FIRST), suppress(ArithmeticError, Refused):  # of an energy without a value somewhere
+        least = CONSTANTS_OFF * floors(problem)[ENERGY]
+        first = enclosed_invariant(lambda y: function(y[0] * 0, y), [enclose(x) for x in problem.start], "energy")
+        for t, digits in zip(problem.reference.times, problem.reference.states, strict=True):
+            balls = [arb(f"{text} +/- 1e{Decimal(text).as_tuple().exponent}") for text in digits]
+            change = enclosed_invariant(lambda y: function(y[0] * 0, y), balls, "energy") - first
+            if change.abs_lower() > least:
+                said = f"the solution has changed it by {decimal(change)} at t = {t}"
+                raise ValueError(f"energy is not conserved by f: {said}; correct it, or leave it out")
 
 
 def _as_toml(value: Any) -> Any:

@@ -226,6 +226,32 @@ def test_pole_before_the_end_is_refused(tmp_path):
         problem_given(str(tmp_path / "mine.toml"))
 
 
+@pytest.mark.parametrize(
+    ("energy", "change"),
+    [
+        *(("y0^2", "-0.7080734183 at t = 1"), ("y0^2 + y1^2*(1 + 1/10^9)", r"7\.08\d+e-10 at t = 1")),
+        *(("y0^2 + y1^2 + 1/(y0 - 1)", None), ("log(y1) + y0^2", None), ("9.81*y0^2 + 9.81*y1^2", None)),
+    ],
+)
+def test_an_energy_that_f_does_not_conserve_is_refused(energy, change):
+    """One of q'' = -q that is wrong, or nearly right; one without a value at the start is believed."""
+    own = {"rates": ["y1", "-y0"], "start": [1, 0], "end": 10, "energy": energy}
+    if change is None:
+        assert problem_given(own).energy is not None
+    else:
+        with pytest.raises(ValueError, match=f"energy is not conserved by f: the solution has changed it by {change}"):
+            problem_given(own)
+
+
+def test_doubles_of_a_function_conserve_the_energy_that_is_written_exactly():
+    """9.81 is a double in f and 981/100 in the energy, which changes by 3e-17 of it; with 9.82 it is refused."""
+    swing = lambda t, y: [y[1], -9.81 * math.sin(y[0])]
+    own = {"function": swing, "start": [1, 0], "end": 5, "energy": "y1^2/2 - 9.81*cos(y0) + 0*tan(y0)"}
+    assert problem_given(own).energy is not None
+    with pytest.raises(ValueError, match="not conserved"):
+        problem_given(own | {"energy": "y1^2/2 - 9.82*cos(y0)"})
+
+
 def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
     """x'' = -w^2 x with w = 2 pi: at t = 1/2 it is at -1, at rest, and its energy is 2 pi^2."""
     path = tmp_path / "spring.toml"
