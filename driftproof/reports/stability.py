@@ -28,7 +28,7 @@ from driftproof.numeric.stability import (
     stays_bounded,
 )
 from driftproof.reports.progress import with_progress
-from driftproof.reports.user_problem import GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted, table, with_digits
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, Uncertified, enclose, significant
@@ -57,11 +57,16 @@ _LOST = 1e6
 
 
 def stability(
-    problem: GivenProblem | None = None, methods: GivenMethods = (), h: ExactNumber | Sequence[ExactNumber] = ()
+    problem: GivenProblem | None = None,
+    methods: GivenMethods = (),
+    h: ExactNumber | Sequence[ExactNumber] = (),
+    *,
+    parameters: GivenParameters = (),
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
 
-    A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function.
+    A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function;
+    `parameters` replace some of its own.
 
     The data are {"problem", "title", "linear", "size", "methods": [...]}, with one entry per method. `h` are step sizes
     that divide t; without them runs of 10, 100 and 1000 steps are shown. For a linear problem `limit`, `attained` and
@@ -74,7 +79,7 @@ def stability(
     """
     if problem is None:
         return Answered(problems_json(PROBLEMS.values()), problems_text)
-    about = problem_given(problem)
+    about = problem_given(problem, parameters)
     counts = [step_count(about.t, size) for size in steps_of(h)] or list(_SHOWN)
     if max(counts) > _MOST_SHOWN:
         raise ValueError(f"{brief(max(counts))} steps to t = {about.t} are too many; at most {_MOST_SHOWN} are run")

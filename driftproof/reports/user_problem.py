@@ -23,13 +23,15 @@ from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
+from driftproof.methods.rationals import ExactNumber, brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
+from driftproof.support.plain_text import unknown
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, read_toml
+from driftproof.support.toml_tables import TomlTable, as_line, as_table, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -51,27 +53,47 @@ _LONGEST_TITLE = 200
 CONSTANTS_OFF = 1e6
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
+# Values of some parameters by name, as a mapping or as pairs.
+GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
-def problem_given(given: GivenProblem) -> Problem:
+def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Problem:
     """A problem by its key, or by a .toml file or a dict of its equations. Raises Refused, and ValueError in one line.
+
+    `parameters` replace those of the file or the dict.
 
     The file has start and end, and rates or in their place a Python function, "module:f", which is run once on symbols.
     Optional are parameters (a function gets them as keywords, as doubles), a title and an energy; the help of
     `driftproof stability` shows one. A dict has the same keys; its function may be a Python function itself, and its
     decimals are floats.
     """
+    others = dict(parameters)
+    if isinstance(given, Mapping):
+        name = getattr(given.get("function"), "__name__", "own")
+        return _problem(with_parameters(_as_toml(given), others, name), name)
+    if others and not str(given).endswith(".toml"):
+        raise ValueError(f"parameters are of a problem in a .toml file or a dict; {brief(given)} has none to change")
     if isinstance(given, Problem):
         return given
-    if isinstance(given, Mapping):
-        return _problem(_as_toml(given), getattr(given.get("function"), "__name__", "own"))
     own: Any = given
     if callable(own):
         example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
+    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, others, name), name))
+
+
+def with_parameters(table: TomlTable, parameters: Mapping[str, ExactNumber], name: str) -> TomlTable:
+    """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
+    if not parameters:
+        return table
+    held = as_table(table.get("parameters", {}), "parameters")
+    if others := [each for each in parameters if each not in held and "function" not in table]:
+        raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
+    values = {each: str(value) for each, value in parameters.items()}
+    told = ", ".join(f"{each} = {value}" for each, value in values.items())
+    return table | {"parameters": held | values, "title": f"{table.get('title', name)} with {told}"}
 
 
 def names_problem(given: object) -> bool:

@@ -243,6 +243,23 @@ def test_an_energy_that_f_does_not_conserve_is_refused(energy, change):
             problem_given(own)
 
 
+def test_parameters_are_replaced_by_name(tmp_path, answer, refusal):
+    path = tmp_path / "mine.toml"
+    path.write_text(WRITTEN)
+    moon = problem_given(str(path), {"g": "1.62"})
+    assert moon.field.parameters == (("g", Fraction("1.62")),)
+    assert moon.title == "A pendulum of 1 m with g = 1.62"
+    assert problem_given(str(path)).field.parameters == (("g", Fraction("9.81")),)
+    spring = {"function": lambda t, y, k=1.0: [y[1], -k * y[0]], "start": [1, 0], "end": 1}
+    assert problem_given(spring, [("k", 4)]).field != problem_given(spring).field
+    out = answer("stability", str(path), "--methods", "rk4", "--parameters", "g=1.62")
+    assert out.startswith("A pendulum of 1 m with g = 1.62\n")
+    for given, words in [(str(path), "unknown parameter 'k'; choose from g"), ("pendulum", "has none to change")]:
+        with pytest.raises(ValueError, match=words):
+            problem_given(given, {"k": 2})
+    assert "'g' is not NAME=VALUE, such as mu=5" in refusal("stability", str(path), "--parameters", "g")
+
+
 def test_doubles_of_a_function_conserve_the_energy_that_is_written_exactly():
     """9.81 is a double in f and 981/100 in the energy, which changes by 3e-17 of it; with 9.82 it is refused."""
     swing = lambda t, y: [y[1], -9.81 * math.sin(y[0])]
