@@ -85,12 +85,12 @@ BUDGETS = {
     "support": 1267,
     "methods": 5347,
     "symbolic": 10188,
-    "numeric": 3956,
+    "numeric": 3962,
     "blackbox": 20043,
     "enclosure": 3458,
     "texts": 8600,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5785
+BUDGET_OF_REPORTS_AND_FRONT = 5800
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

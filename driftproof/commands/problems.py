@@ -26,9 +26,9 @@ def stability_command(options: Namespace) -> str:
       driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
-    On a linear problem y' = Ay the verdicts are proved, for the exact value of the double h that is run; on one of your
-    own, if it has at most 20 components and none of its solutions grows. The largest step size is also found by
-    bisection with float steps. On any other problem the verdicts are observations.
+    On a linear problem y' = Ay, or y' = Ay + b with a point of rest, the verdicts are proved, for the exact value of
+    the double h that is run; on one of your own, if it has at most 20 components and none of its solutions grows. The
+    largest step size is also found by bisection with float steps. On any other problem the verdicts are observations.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from math import inf, isfinite
 from typing import TypeVar
@@ -14,7 +15,8 @@ from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import GivenMethods, methods_of
-from driftproof.numeric.advance import Advance, advance, float_start, step_times
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits
@@ -104,7 +106,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
     return {
         **header,
         "expected": expected_of(problem, method),
-        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found, runs)),
+        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
     }
 
@@ -137,7 +139,8 @@ def behaviour(method: Method, problem: Problem) -> str:
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
-def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
+def _linear_part(problem: Problem, found: SystemFacts) -> Json:
+    runs = advance(found.method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
     norm, limit = max(sum(abs(x) for x in row) for row in found.rows) or 1, _proved_limit(found)
     is_bounded = lambda h: stays_bounded(runs, len(problem.start), h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
@@ -149,6 +152,12 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
         "at_infinity": None if r is None else "oo" if (at := r.at_infinity()) is None else str(at),
         "seen": {"bounded": repr(low), "grows": repr(high), **({"again": list(map(repr, again))} if again else {})},
     }
+
+
+def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
+    """The field Ay, in which a velocity that is a rate stands alone."""
+    terms = ([(x, f"y{j}") for j, x in enumerate(row) if x] for row in rows)
+    return VectorField(tuple(" + ".join(y if x == 1 else f"({x}) * {y}" for x, y in each) or "0" for each in terms))
 
 
 def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:

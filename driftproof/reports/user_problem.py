@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.invariants import enclosed_invariant
@@ -23,6 +23,7 @@ from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
+from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.rationals import ExactNumber, brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
@@ -182,15 +183,20 @@ def _digits(x: arb, largest: arb) -> str:
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
-    """A, if f(t, y) = Ay is written so, in at most MOST_PROVED components, and no solution grows; else None."""
+    """A, if f(t, y) = A(y - c) is written so, or as Ay + b, in at most MOST_PROVED components, and no solution grows.
+
+    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None.
+    """
     n, zero = len(field.rates), Fraction(0)
     slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components if n <= MOST_PROVED]
     if n > MOST_PROVED or not field.autonomous or re.search(r"\by\d", " ".join(slopes)):
         return None
     try:
-        at_rest, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
+        at_origin, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
         rows = tuple(tuple(map(Fraction, numbers[i : i + n])) for i in range(0, n * n, n))
+        with_b = [[as_fmpq(Fraction(x)) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
+        shifted = fmpq_mat(with_b).rank() == fmpq_mat([row[:-1] for row in with_b]).rank()  # b is in the range of A
         bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
     except (TypeError, ValueError, ArithmeticError):
         return None
-    return rows if bounded and not any(at_rest) else None
+    return rows if bounded and shifted else None

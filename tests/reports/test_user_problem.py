@@ -15,7 +15,7 @@ from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT
-from driftproof.numeric.reference_errors import decimal_energy
+from driftproof.numeric.reference_errors import decimal_energy, is_oscillator
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
 from driftproof.reports.scene_view import readout_rows
@@ -178,7 +178,9 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
 LINEAR = {
     "y1; -2*y0 - y1/10": [[0, 1], [-2, Fraction(-1, 10)]],
     "-(y0 + 2*y1)*3/7; -y1 + 1 - 1": [[Fraction(-3, 7), Fraction(-6, 7)], [0, -1]],
-    "-y0 + 1": None, "-y0*t": None, "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
+    "-y0 + 1": [[-1]], "y1; -y0 - y1/5 + 1": [[0, 1], [-1, Fraction(-1, 5)]], "0; 2 - y1": [[0, 0], [0, -1]],
+    "1": None, "y1; 1 - y1": None, "1; -y1": None, "-y0*t": None,
+    "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
     "y0": None, "y1; 0": None, "-y0*y0/y0": None,
 }  # fmt: skip
 
@@ -187,6 +189,22 @@ LINEAR = {
 def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
     wanted = LINEAR[rates]
     assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
+
+
+def test_affine_problem_has_the_proofs_of_its_linear_part_and_runs_of_its_own():
+    """A control loop to set point 1, and springs about 10^9/4; no phase is measured about c."""
+    loop = {"rates": ["y1", "-9*y0 - 3*y1 + 4*y2 + 8", "1 - y0"], "start": [0, 0, 0], "end": 10}
+    (found,) = stability(loop, ["rk4"])["methods"]
+    assert found["limit"]["decimal"].startswith("0.95544134673006630535991")
+    assert float(found["seen"]["bounded"]) == pytest.approx(0.9554413467300663, rel=1e-12)
+    assert [run["lost"] for run in found["runs"]] == [True, False, False]
+    springs = {"start": [0, 0], "end": 10}
+    moved, still = (springs | {"rates": ["y1", rate]} for rate in ("10^9 - 4*y0", "-4*y0"))
+    pairs = [stability(each, ["rk4", "velocity_verlet", "implicit_midpoint"])["methods"] for each in (moved, still)]
+    for a, b in exactly(3, zip(*pairs, strict=True)):
+        assert [a[key] for key in ("limit", "attained", "seen")] == [b[key] for key in ("limit", "attained", "seen")]
+    oscillator = [is_oscillator(problem_given(springs | {"rates": ["y1", rate]})) for rate in ("1 - y0", "-y0")]
+    assert oscillator == [False, True]
 
 
 @pytest.mark.slow
