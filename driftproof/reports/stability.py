@@ -32,6 +32,7 @@ from driftproof.numeric.stability import (
 from driftproof.reports.progress import with_progress
 from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted, table, with_digits
+from driftproof.support.progress import stage
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, Uncertified, enclose, significant
 from driftproof.symbolic.facts import Facts
@@ -91,9 +92,14 @@ def stability(
         "title": about.title,
         "linear": about.matrix is not None,
         "size": repr(solution_size(about)),
-        "methods": [_method_answer(about, each, counts) for each in with_progress(asked, "method")],
+        "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
+
+
+def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
+    with stage(f"{method.key} on {problem.key}"):
+        return _method_answer(problem, method, counts)
 
 
 def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:

@@ -1,4 +1,4 @@
-"""The progress line of long computations, with the seconds that have passed; shown on a terminal only."""
+"""The progress line of long computations, with the seconds that have passed; elsewhere than on a terminal, one line."""
 
 from __future__ import annotations
 
@@ -26,17 +26,20 @@ def on_terminal(stream: TextIO | None = None) -> bool:
 
 
 @contextmanager
-def working(name: str, stream: TextIO | None = None) -> Iterator[None]:
+def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> Iterator[None]:
     """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
     Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
-    the seconds are shown, after the text that the line already has.
+    the seconds are shown, after the text that the line already has. If `plain`, a standard error of this process that
+    is no terminal gets one line, after SILENCE.
     """
-    if not on_terminal(stream) or not _SHOWING.acquire(blocking=False):
+    shown = on_terminal(stream)
+    said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__
+    if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return
     done, place = Event(), os.dup((stream or sys.stderr).fileno())  # a test runner may replace the file meanwhile
-    thread = Thread(target=_show, args=(name, done, place), daemon=True)
+    thread = Thread(target=_show if shown else _say, args=(name, done, place), daemon=True)
     thread.start()
     try:
         yield
@@ -69,6 +72,12 @@ def stage(words: str) -> Iterator[Stage]:
         yield found
     finally:
         _STAGES.remove(found)
+
+
+def _say(name: str, done: Event, place: int) -> None:
+    if not done.wait(SILENCE):
+        with suppress(OSError):
+            os.write(place, f"{name}: {_STAGES[-1].words if _STAGES else 'working (Ctrl-C ends it)'}\n".encode())
 
 
 def _show(name: str, done: Event, place: int) -> None:

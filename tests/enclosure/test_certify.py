@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from fractions import Fraction
@@ -92,6 +93,27 @@ def test_accuracy_is_asserted_with_the_worst_point():
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7, atol=1e-8)
     with pytest.raises(AssertionError, match=r"rtol = 1e-07 allows an error of 8\.61e-08 per step there"):
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
+
+
+def test_components_of_different_size_have_digits_and_tolerances_of_their_own():
+    """B of Robertson's kinetics is 1e-5 of A: 3 digits of the state are one of B. A component that is 0 has none."""
+    rows = [[1.0, 1e-5, 0.0], [0.5001, 0.5e-5 + 1e-6, 0.0]]
+    fall = lambda t, y: [-y[0] * math.log(2), -y[1] * math.log(2), 0 * y[2]]
+    found = certify(fall, [0.0, 1.0], rows)
+    assert (found.digits, found.digits_of) == (3, (4, 1, None))
+    line = "one by one, component 1 is the worst: 1 correct digit, relative to its own largest size; off by 1.00000"
+    assert f"\n{line}" in found.text()
+    assert found.record()["digits_of"] == [4, 1, None]
+    even = certify(fall, [0.0, 1.0], [rows[0], [0.5001, 0.5e-5 + 1e-10, 0.0]])
+    assert (even.digits, even.digits_of) == (3, (4, 4, None))
+    assert "one by one" not in even.text()
+    assert_accurate(([0.0, 1.0], rows), fall, 1e-3)
+    assert_accurate(([0.0, 1.0], rows), fall, [1e-3, 2e-6, 1e-12])
+    with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-07: component 1 at t = 1, point 1 of"):
+        assert_accurate(([0.0, 1.0], rows), fall, np.array([1e-3, 1e-7, 1e-12]))
+    for wrong, words in (([1e-3, 1e-3], "one for each of the 3 comp"), ([1, 1, -1], "must be a number >= 0")):
+        with pytest.raises(ValueError, match=words):
+            assert_accurate(([0.0, 1.0], rows), fall, wrong)
 
 
 def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from time import monotonic
+from time import monotonic, sleep
 
 import pytest
 from tqdm import tqdm
@@ -34,6 +34,21 @@ def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, part, l
     back = "\b" * len(line)
     assert said.startswith(f"{line}{back}")
     assert rest.endswith(f"{' ' * len(line)}{back}")
+
+
+def test_elsewhere_than_on_a_terminal_a_command_says_one_line_and_a_function_none(tmp_path, monkeypatch):
+    """A pipe's reader sees what is done; a function in a script, or output that a test captures, stays silent."""
+    monkeypatch.setattr(progress, "SILENCE", 0.01)
+    monkeypatch.setattr(progress, "_STAGES", [progress.Stage("errors of rk4")])
+    said = []
+    for plain, own in ((True, True), (False, True), (True, False)):
+        with (tmp_path / "errors").open("w") as file, monkeypatch.context() as patched:
+            patched.setattr(sys, "stderr", file)
+            patched.setattr(sys, "__stderr__", file if own else None)
+            with progress.working("driftproof report", plain=plain), progress.working("a problem"):
+                sleep(0.1)
+        said.append((tmp_path / "errors").read_text())
+    assert said == ["driftproof report: errors of rk4\n", "", ""]
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):
