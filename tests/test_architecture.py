@@ -83,11 +83,11 @@ NOT_ELSEWHERE = "sympy"
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
 BUDGETS = {
     "support": 1276,
-    "methods": 5347,
+    "methods": 5372,
     "symbolic": 10188,
     "numeric": 3962,
     "blackbox": 20043,
-    "enclosure": 3507,
+    "enclosure": 3509,
     "texts": 8600,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5806

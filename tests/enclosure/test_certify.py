@@ -201,6 +201,7 @@ REFUSED = {
 }  # fmt: skip
 BAD_INPUT = {
     r"f is not a right-hand side but a NoneType; give f\(t, y\) or its text": (None, [0, 1], [[1], [1]]),
+    r"^t is text; give t and y as arrays of numbers, or in their place the path of one file$": (decay, "t", "y"),
     r"f has 2 components, but the trajectory has 3": ("y1; -y0", [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f returns 2 numbers for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f returns 3 numbers for 1 components": (

@@ -224,7 +224,7 @@ class Derivation(Printable):
         """Return None, so that a notebook shows the TeX."""
 
     def _repr_latex_(self) -> str:
-        lines = r" \\ ".join(derived.tex for derived in self.chosen())
+        lines = r" \\ ".join(derived.tex for derived in self.chosen(self.only))
         return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
 
 

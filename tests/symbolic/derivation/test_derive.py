@@ -200,3 +200,5 @@ def test_front_door_takes_a_key_and_shows_itself_in_a_notebook() -> None:
     whole = shown._repr_latex_()
     assert whole.startswith("$$")
     assert all(each.tex in whole for each in shown.chosen())
+    roots = driftproof.derive("symplectic_euler", only="roots")
+    assert roots._repr_latex_() == rf"$$\begin{{gathered}} {shown.roots.tex} \end{{gathered}}$$"
