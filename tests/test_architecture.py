@@ -87,7 +87,7 @@ BUDGETS = {
     "symbolic": 10188,
     "numeric": 3962,
     "blackbox": 20043,
-    "enclosure": 3509,
+    "enclosure": 3581,
     "texts": 8600,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5806
