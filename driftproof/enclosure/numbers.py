@@ -290,7 +290,7 @@ _ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
     "cos": ("cos", lambda x, _: -x.sin()),
     "exp": ("exp", lambda _, y: y),
     "log": ("log", lambda x, _: _inverse(x)),
-    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y)),
+    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y, "takes the root of a number that may be 0")),
     "arctan": ("atan", lambda x, _: _inverse(1 + x * x)),
     "arcsin": ("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x))),
     "arccos": ("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x))),
@@ -361,11 +361,11 @@ def _times(factor: Value, d: Value) -> Value:
     return factor * d if not isinstance(d, int) or d else 0
 
 
-def _inverse(x: Value) -> Value:
+def _inverse(x: Value, does: str = "divides by a number that may be 0") -> Value:
     try:
         return 1 / x
     except (ValueError, ZeroDivisionError):
-        raise Refused("f divides by a number that may be 0") from None
+        raise Refused(f"f {does}") from None
 
 
 def _boxed(x: Any) -> Any:

@@ -225,6 +225,10 @@ REFUSED = {
     'rates = ["y0"]\nstart = [0]': "end is missing; write a number",
     'rates = ["y0"]\nstart = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write .*, such as 1\.4142135623730951$",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
+    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a rational number, such as "1/3" or 0\.1$',
+    'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
+    'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
+    'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
     f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
@@ -233,7 +237,7 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
     (tmp_path / "mine.toml").write_text(text)
-    with pytest.raises(ValueError, match=REFUSED[text]) as caught:
+    with pytest.raises((ValueError, Refused), match=REFUSED[text]) as caught:
         problem_given(str(tmp_path / "mine.toml"))
     assert "\n" not in str(caught.value)
 
@@ -304,3 +308,24 @@ def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
     assert ended == pytest.approx((-1, 0), abs=1e-5)  # (2 pi)^5 h^4 t / 120 is 1e-7 a component
     assert "x′ = v" in report(problem, methods=[made]).html
     assert readout_rows({"final_state": (1.0, 0.5)}, problem) == [["Numerical (x, v)", "(1.00000, 0.500000)"]]
+
+
+def test_doubles_of_a_function_stand_on_the_page_as_they_were_written_and_long_rates_are_cut():
+    neuron = lambda t, y: [y[0] - y[0] ** 3 / 3 - y[1] + 0.3125, (y[0] + 0.7 - 0.5 * y[1]) / 12.5]
+    own = {
+        "function": neuron,
+        "start": [-1, 1],
+        "end": 1,
+        "title": "A neuron with a title that is long enough for a page",
+    }
+    page = report(own, methods=["forward_euler", "symplectic_euler"]).html
+    assert "double_0 = 5/16" in page
+    assert " = 0.7" in page
+    assert "3152519739159347" not in page
+    (refused,) = stability(own, ["symplectic_euler"])["methods"]
+    assert len(refused["refused"]) < 150
+    kinked = {"function": lambda t, y: [np.clip(-y[0], -1, 1)], "start": [0], "end": 1}
+    with pytest.raises(
+        Refused, match=r"f compares numbers, as abs, clip or an if do; a problem needs formulas, certify t"
+    ):
+        problem_given(kinked)
