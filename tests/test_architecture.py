@@ -82,7 +82,7 @@ NOT_ELSEWHERE = "sympy"
 # enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
 BUDGETS = {
-    "support": 1276,
+    "support": 1278,
     "methods": 5376,
     "symbolic": 10188,
     "numeric": 3962,

@@ -14,6 +14,8 @@ from typing import TextIO
 # Seconds before the progress line first appears, and between two updates of it.
 SILENCE, BEAT = 2.0, 1.0
 _BACK = "\b"
+# Set by pytest for what a test starts, and where nobody waits: outputs are compared there, and times differ.
+QUIET = {"PYTEST_CURRENT_TEST", "CI"}
 # Held by the `working` block that shows the line; blocks within it show none of their own.
 _SHOWING = Lock()
 # The stages that are in progress, the outermost first.
@@ -31,10 +33,10 @@ def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> 
 
     Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
     the seconds are shown, after the text that the line already has. If `plain`, a standard error of this process that
-    is no terminal gets one line, after SILENCE.
+    is no terminal gets one line, after SILENCE, but not in tests and on CI.
     """
     shown = on_terminal(stream)
-    said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__
+    said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
     if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return

@@ -41,14 +41,16 @@ def test_elsewhere_than_on_a_terminal_a_command_says_one_line_and_a_function_non
     monkeypatch.setattr(progress, "SILENCE", 0.01)
     monkeypatch.setattr(progress, "_STAGES", [progress.Stage("errors of rk4")])
     said = []
-    for plain, own in ((True, True), (False, True), (True, False)):
+    for plain, own, quiet in ((True, True, set()), (False, True, set()), (True, False, set()), (True, True, {"CI"})):
+        monkeypatch.setattr(progress, "QUIET", quiet)
+        monkeypatch.setenv("CI", "1")
         with (tmp_path / "errors").open("w") as file, monkeypatch.context() as patched:
             patched.setattr(sys, "stderr", file)
             patched.setattr(sys, "__stderr__", file if own else None)
             with progress.working("driftproof report", plain=plain), progress.working("a problem"):
                 sleep(0.1)
         said.append((tmp_path / "errors").read_text())
-    assert said == ["driftproof report: errors of rk4\n", "", ""]
+    assert said == ["driftproof report: errors of rk4\n", "", "", ""]
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):
