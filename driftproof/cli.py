@@ -74,7 +74,7 @@ def _answer(prog: str, name: str, words: list[str]) -> int:
     try:
         command = command_named(name)
         options = command.parser(prog).parse_args(words)
-        with working(prog):
+        with working(prog, plain=True):
             answer, status = command.answer(options), 0
     except (Help, Refuted) as shown:
         answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0

@@ -82,15 +82,15 @@ NOT_ELSEWHERE = "sympy"
 # enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
 BUDGETS = {
-    "support": 1267,
-    "methods": 5347,
-    "symbolic": 10147,
-    "numeric": 3933,
+    "support": 1278,
+    "methods": 5376,
+    "symbolic": 10188,
+    "numeric": 3962,
     "blackbox": 20043,
-    "enclosure": 3458,
+    "enclosure": 3583,
     "texts": 8600,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5624
+BUDGET_OF_REPORTS_AND_FRONT = 5814
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -163,6 +163,15 @@ def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
     return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
+@read_by
+def _parameter(text: str) -> tuple[str, str]:
+    """A parameter and the text of its value, as in mu=5."""
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"{text[:20]!r} is not NAME=VALUE, such as mu=5")
+    return name.strip(), value.strip()
+
+
 def format_option(choices: str, words: str | None = "json is for programs") -> CommandOption:
     """The option --format, whose first choice is the default."""
     return option("--format", words, choices=choices.split(), default=choices.split()[0])
@@ -176,6 +185,13 @@ list_option = partial(option, action="extend", default=[])
 _methods_listed = lambda text: import_module("driftproof.methods.catalogue").names_listed(text)
 methods_option = partial(list_option, "--methods", type=_methods_listed, metavar="M,M")
 steps_option = partial(list_option, "--h", type=read_by(steps_of), metavar="H,H")
+parameters_option = partial(
+    list_option,
+    "--parameters",
+    "other values of parameters of your own problem, such as mu=5",
+    type=several(_parameter),
+    metavar="NAME=VALUE",
+)
 digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
 places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))
 rounding_option = partial(

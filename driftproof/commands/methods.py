@@ -89,7 +89,7 @@ def facts_command(options: Namespace) -> str:
 
         draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)
     written: str = sheet.written(options.format, options.all)
-    return written
+    return f"{written}\n\nwrote {options.plot}" if options.plot and options.format == "text" else written
 
 
 @cli.command(

@@ -13,6 +13,7 @@ from driftproof.commands import arguments as cli
         "keys or .toml files (default"
         " forward_euler, rk4, symplectic_euler, backward_euler, implicit_midpoint, radau_iia2)"
     ),
+    cli.parameters_option(),
     cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: those of 10, 100 and 1000 steps)"),
     cli.TEXT_OR_JSON,
 )
@@ -25,9 +26,9 @@ def stability_command(options: Namespace) -> str:
       driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
-    On a linear problem y' = Ay the verdicts are proved, for the exact value of the double h that is run; on one of your
-    own, if it has at most 20 components and none of its solutions grows. The largest step size is also found by
-    bisection with float steps. On any other problem the verdicts are observations.
+    On a linear problem y' = Ay, or y' = Ay + b with a point of rest, the verdicts are proved, for the exact value of
+    the double h that is run; on one of your own, if it has at most 20 components and none of its solutions grows. The
+    largest step size is also found by bisection with float steps. On any other problem the verdicts are observations.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
@@ -35,12 +36,13 @@ def stability_command(options: Namespace) -> str:
       start = ["1/2", "0"]                  at t = 0; rational, as is end
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
-      parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters
+      parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters;
+                                            another one with --parameters g=1.62
     or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
     instead of rates: function = "mylib.models:pendulum", your own f(t, y), with the parameters as keyword arguments
     """
     if options.problem is None:
-        cli.refuse(options, ("methods", "h"), "without a problem")
+        cli.refuse(options, ("methods", "h", "parameters"), "without a problem")
     return cli.answer_of("stability", options)
 
 
@@ -49,6 +51,12 @@ def stability_command(options: Namespace) -> str:
     cli.methods_option(
         "keys or .toml files (default"
         " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2)"
+    ),
+    cli.parameters_option(),
+    cli.option(
+        "--error",
+        "the accuracy you want: tell first which method reaches it at the end, with which h, at what cost",
+        type=cli.positive_number("error"),
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
     cli.list_option("--peers", "also scipy, diffrax, heyoka, torchdiffeq", type=cli.several(str), metavar="P,P"),
@@ -66,6 +74,7 @@ def work_precision_command(options: Namespace) -> str:
     examples:
       driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
       driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 -o measured/
+      driftproof work-precision kepler --error 1e-8 --time-limit 0.01
 
     Without any argument: seven methods on the harmonic oscillator, in about twenty seconds.
 
@@ -74,7 +83,9 @@ def work_precision_command(options: Namespace) -> str:
     Radau IIA also run with step-size control, at tolerances from 1e-3 to 1e-13. Times are those of one trajectory,
     compiled (extra `fast`) and in plain Python, and of one state of an ensemble; methods take turns, in random order.
 
-    A method is dominated if for each of its points another method has one with no larger error and no larger cost.
+    What counts in the tables is the error at the end; below each stands who needs the fewest evaluations by the largest
+    error at the reference's times. A method is dominated if for each of its points another method has one with no
+    larger error and no larger cost.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run

@@ -12,7 +12,7 @@ from typing import TypeAlias
 from flint import arb, ctx
 
 from driftproof.enclosure.steps import size
-from driftproof.support.plain_text import Json, as_json
+from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
 
 # A row for each time, with a ball for each component.
@@ -60,9 +60,10 @@ class Certificate(Printable):
     """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) is the solution through y[0].
 
     `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
-    these. `steps` and `bits` are those of the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not
-    1/10. `split` and `drifts` are present if they were asked for. `unknowns` are the names that f gives the components,
-    `said` how the columns of the file were read, where their names leave a question.
+    these; `digits_of` is that of each component by itself. `steps` and `bits` are those of the enclosure. `doubles` are
+    the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if they were asked for.
+    `unknowns` are the names that f gives the components, `said` how the columns of the file were read, where their
+    names leave a question.
     """
 
     t: tuple[float, ...]
@@ -81,6 +82,16 @@ class Certificate(Printable):
     def digits(self) -> int:
         """The number of digits right at every point, relative to its largest component."""
         return min(self.digits_at)
+
+    @property
+    def digits_of(self) -> tuple[int | None, ...]:
+        """For each component, the digits right at every point relative to its own largest size; None if it may be 0."""
+        with ctx.workprec(self.bits):
+            found = list[int | None]()
+            for errors, values in zip(zip(*self.errors, strict=True), zip(*self.y, strict=True), strict=False):
+                true = [arb(x) - error for x, error in zip(values, errors, strict=False)]
+                found.append(None if all(x.contains(0) for x in true) else right_digits(errors, true))
+            return tuple(found)
 
     @property
     def worst(self) -> tuple[int, int]:
@@ -104,8 +115,9 @@ class Certificate(Printable):
         if self.split is not None:
             lines += self._split_lines(self.split)
         lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
-        right = f"{self.digits} correct digits at every point, relative to its largest component"
+        right = f"{counted(self.digits, 'correct digit')} at every point, relative to its largest component"
         lines += [f"{right}; enclosure: {self.steps} steps, {self.bits} bits"]
+        lines += self._own_digits_lines()
         if len(self.t) == len(self.y[0]):
             lines.append(f"there are as many times as components; y was read so that y({self.t[1]:g}) = {self.y[1]}")
         if self.doubles:
@@ -114,6 +126,17 @@ class Certificate(Printable):
             lines.append(f"constants in f, each exactly this double: {said}")
         lines += [self.said] if self.said else []
         return "\n".join(lines)
+
+    def _own_digits_lines(self) -> list[str]:
+        """The component with the fewest digits of its own, if they are fewer than those of the whole state."""
+        own = {j: digits for j, digits in enumerate(self.digits_of) if digits is not None}
+        j = min(own, key=lambda each: own[each], default=0)
+        if not own or own[j] >= self.digits:
+            return []
+        i, _ = largest_place([(row[j],) for row in self.errors])
+        name, right = self.unknowns[j] if self.unknowns else j, counted(own[j], "correct digit")
+        said = f"one by one, component {name} is the worst: {right}, relative to its own largest size"
+        return [f"{said}; off by {decimal(self.errors[i][j])} at t = {self.t[i]:.17g}, point {i}"]
 
     def _split_lines(self, split: Split) -> list[str]:
         i, j = self.worst
@@ -144,6 +167,7 @@ class Certificate(Printable):
             "t": [repr(t) for t in self.t],
             "errors": _rows(self.errors),
             "digits_at": list(self.digits_at),
+            "digits_of": list(self.digits_of),
         }
         if (split := self.split) is not None:
             parts = {"truncation": _rows(split.truncation), "rounding": _rows(split.rounding)}

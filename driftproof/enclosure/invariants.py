@@ -89,7 +89,7 @@ def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[
     return lambda y: made(y[0] * 0, y)[0]
 
 
-def _value(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> arb:
+def enclosed_invariant(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> arb:
     """I(y) in balls. Raises Refused if it cannot be computed in balls."""
     evaluation = Evaluation()
     state = [Enclosed(evaluation, x) for x in row]
@@ -111,13 +111,13 @@ def drift_of(
 ) -> Drift:
     """I at each row minus I at the start. Raises Refused if the enclosure proves that the solution does not keep I."""
     rows = [[arb(x) for x in row] for row in floats]
-    start = _value(invariant, rows[0], name)
+    start = enclosed_invariant(invariant, rows[0], name)
     for i, row in enumerate(true):
-        changed = _value(invariant, row, name) - start
+        changed = enclosed_invariant(invariant, row, name) - start
         if not changed.contains(0):
             raise Refused(f"{name} is not conserved: at point {i} the solution has changed it by {decimal(changed)}")
-    total = tuple(_value(invariant, row, name) - start for row in rows)
+    total = tuple(enclosed_invariant(invariant, row, name) - start for row in rows)
     if exact_run is None:
         return Drift(total)
-    truncation = tuple(_value(invariant, row, name) - start for row in exact_run)
+    truncation = tuple(enclosed_invariant(invariant, row, name) - start for row in exact_run)
     return Drift(total, truncation, tuple(a - b for a, b in zip(total, truncation, strict=True)))

@@ -47,6 +47,11 @@ class TaylorModel:
         """A ball that contains the values for all σ in the ball `sigma`, by default 0 <= σ <= 1."""
         return self.polynomial(sigma) + arb(0, self.tail)
 
+    def within(self, rest: arb) -> TaylorModel:
+        """The model plus any function whose norm is at most `rest`."""
+        around = arb(0, rest.upper())
+        return TaylorModel(self.polynomial + arb_poly([around] * self.length), self.length, self.tail + rest)
+
     def coefficient(self, k: int) -> arb:
         """The coefficient c_k, k < length."""
         return arb(self.polynomial[k])

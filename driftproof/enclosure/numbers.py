@@ -15,7 +15,7 @@ from numbers import Rational
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
-from flint import arb, arb_series, fmpq
+from flint import arb, arb_series, ctx, fmpq
 
 # A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
 Value: TypeAlias = Any
@@ -43,10 +43,28 @@ class Refused(ArithmeticError):
         Refused.made += 1
 
 
-def not_smooth(t: Fraction | float) -> Refused:
-    """The refusal of steps that end at a pole or a jump near t, with the way on."""
-    said = f"f or the solution has a pole, or f is not smooth, near t = {float(t):.9g}"
+# What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
+_ZERO_BY_ZERO, _COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
+
+
+def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
+    """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from why they are so short."""
+    near = f"near t = {float(t):.9g}"
+    if reason.startswith(_ZERO_BY_ZERO):
+        remedy = (
+            "where that is no pole, as of x/(1 - exp(-x)) at x = 0, 1/exprel(-x) of scipy.special is known to certify"
+        )
+        return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
+    if reason.startswith(_COMPARES):
+        said = "f has a kink or a jump there, as abs, clip, max or an if has"
+        remedy = "cut there and take the pieces one by one; the step across, and the error before it, are then left out"
+        return Refused(f"{_COMPARES} that are equal {near}: {said}; {remedy}")
+    said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
+
+
+# More terms than numbers up to 40 need; wider ranges come from steps that are too long.
+_MOST_TERMS = 300
 
 
 class Stiff(Refused):
@@ -76,7 +94,7 @@ class Evaluation:
         elif difference < 0:
             answer = False
         else:
-            raise Refused("f compares numbers whose enclosures overlap")
+            raise Refused(f"{_COMPARES} whose enclosures overlap")
         self.taken.append(answer)
         return answer
 
@@ -162,6 +180,8 @@ class Enclosed:
     @_lifts_other
     def __truediv__(self, o: Enclosed) -> Enclosed:
         inverse = _inverse(o.value)
+        if isinstance(inverse, arb) and not inverse.is_finite() and self.value.contains(0):
+            raise Refused(_ZERO_BY_ZERO)
         value = self.value * inverse
         return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
@@ -229,6 +249,8 @@ class Enclosed:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
+        if ufunc.__name__ == "exprel":  # SciPy's, which has no loop over objects
+            return inputs[0].exprel()
         result = ufunc(*(_boxed(x) for x in inputs))
         return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
 
@@ -243,6 +265,10 @@ class Enclosed:
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
         value = _function(name, self.value)
         return self._with_chain_rule(value, (self, lambda: slope(self.value, value)))
+
+    def exprel(self) -> Enclosed:
+        """(exp x - 1)/x, 1 at 0."""
+        return self._with_chain_rule(_exprel(self.value), (self, lambda: _exprel(self.value, slope=True)))
 
     @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
@@ -264,7 +290,7 @@ _ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
     "cos": ("cos", lambda x, _: -x.sin()),
     "exp": ("exp", lambda _, y: y),
     "log": ("log", lambda x, _: _inverse(x)),
-    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y)),
+    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y, "takes the root of a number that may be 0")),
     "arctan": ("atan", lambda x, _: _inverse(1 + x * x)),
     "arcsin": ("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x))),
     "arccos": ("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x))),
@@ -293,6 +319,33 @@ def _function(name: str, x: Value) -> Value:
         raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
 
 
+def _exprel(x: Value, *, slope: bool = False) -> Value:
+    """(exp x - 1)/x or its derivative; near 0 by Σ xᵏ/(k + 1)!, whose rest is bounded in balls and models.
+
+    Series need no bound: they make the polynomial of a step, whose defect is then bounded.
+    """
+    ball, model = isinstance(x, arb), hasattr(x, "norm")
+    centre = x if ball else x.coefficient(0) if model else x[0]
+    if abs(centre) > 1:
+        whole, inverse = x.exp(), _inverse(x)
+        first = (whole - 1) * inverse
+        return (whole - first) * inverse if slope else first
+    reach = arb((x.norm if model else abs(centre)).abs_upper())
+    terms, rest = 1, reach * reach.exp()
+    while not rest < arb(2) ** -ctx.prec:
+        terms += 1
+        rest = rest * reach / terms
+        if terms > _MOST_TERMS:
+            raise Refused("f takes exprel of a number in a wide range")
+    if not (ball or model):
+        terms += ctx.cap
+    factors = [arb(k + 1 if slope else 1) / arb(k + 1 + slope).fac() for k in range(terms)]
+    total = x * 0
+    for c in reversed(factors):
+        total = total * x + c
+    return total + arb(0, rest.upper()) if ball else total.within(rest) if model else total
+
+
 def _power(x: Value, n: int) -> Value:
     """x^n by squaring; python-flint takes the logarithm of a ball or series, which fails where x may be 0."""
     if n == 0:
@@ -308,11 +361,11 @@ def _times(factor: Value, d: Value) -> Value:
     return factor * d if not isinstance(d, int) or d else 0
 
 
-def _inverse(x: Value) -> Value:
+def _inverse(x: Value, does: str = "divides by a number that may be 0") -> Value:
     try:
         return 1 / x
     except (ValueError, ZeroDivisionError):
-        raise Refused("f divides by a number that may be 0") from None
+        raise Refused(f"f {does}") from None
 
 
 def _boxed(x: Any) -> Any:

@@ -85,12 +85,14 @@ def rational_entry(value: object, where: str) -> Fraction:
         raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
     try:
         number: Any = parse_number(str(value), where)
-    except ValueError:  # perhaps it is written as rates are, such as 2*pi
+    except ValueError as error:  # perhaps it is written as rates are, such as 2*pi
         number = math.nan
         with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
             number = field_function(field_of_text([str(value)]))(math.nan, [math.nan])[0]
         if not np.isfinite(number):
-            raise
+            if "is a name" not in str(error):
+                raise
+            raise ValueError(f'{where} is {quoted(value)}; write a rational number, such as "1/3" or 0.1') from None
     if not isinstance(number, Fraction):
         raise ValueError(f"{where} is {value}; write a rational number, such as {float(number)!r}")
     return number

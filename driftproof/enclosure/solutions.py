@@ -26,6 +26,7 @@ from driftproof.enclosure.steps import (
     decisions,
     fewer_steps,
     linearised,
+    obstacle_ahead,
     size,
 )
 from driftproof.enclosure.stiff import StiffPath
@@ -152,7 +153,8 @@ class _Path:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone:
-            raise not_smooth(self.t + 8 * step.h)
+            obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
+            raise not_smooth(self.t + 8 * step.h, obstacle)
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):

@@ -117,6 +117,18 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
     return evaluation.taken
 
 
+def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> str:
+    """What f refuses on a box that the solution needs the time 16 h to leave, or "": a guess for a message."""
+    evaluation, far = Evaluation(), enclose(16 * h)
+    try:
+        rates = enclosed_rates(f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+        box = [Enclosed(evaluation, x + rate.value * far * arb(0, 1)) for x, rate in zip(y, rates, strict=True)]
+        enclosed_rates(f, Enclosed(evaluation, enclose(t) + far * arb(0, 1)), box)
+    except Refused as refusal:
+        return str(refusal)
+    return ""
+
+
 class Expansion:
     """The Taylor expansion of the solution from a thin point, from which steps of any length are made."""
 

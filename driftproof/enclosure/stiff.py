@@ -23,7 +23,7 @@ from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_d
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, not_smooth
-from driftproof.enclosure.steps import fewer_steps, linearised
+from driftproof.enclosure.steps import fewer_steps, linearised, obstacle_ahead
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits for each stage: 128 bits give 18 stages, whose steps are about as long as the nearest singularity is away.
@@ -114,7 +114,7 @@ class StiffPath:
             if added <= self.tolerance and self.step is not None:
                 self.t = self.step.t + self.step.h
                 if h < SHORTEST_STIFF_PART * (self.t - self.first) and self.t < self.last:
-                    raise not_smooth(self.t)
+                    raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 

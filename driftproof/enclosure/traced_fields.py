@@ -93,7 +93,7 @@ class Traced:
 
     def __gt__(self, other: Any) -> bool:
         """Raise Refused: text has no branches."""
-        raise Refused("f compares numbers, which a problem given as text cannot do")
+        raise Refused("f compares numbers, as abs, clip or an if do; a problem needs formulas, certify takes such an f")
 
     __lt__ = __gt__
 

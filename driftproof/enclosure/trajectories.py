@@ -93,6 +93,8 @@ def _floats(name: str, values: Any) -> Any:
         found = np.asarray(values)
     except ValueError:
         raise Refused(f"{name} is not a table of numbers: its rows differ in length") from None
+    if found.dtype.kind == "U":
+        raise ValueError(f"{name} is text; give t and y as arrays of numbers, or in their place the path of one file")
     if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
         raise Refused(f"{name} has the type {found.dtype}; give floats of at most 64 bits")
     if not np.isfinite(found).all():

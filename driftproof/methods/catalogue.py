@@ -123,8 +123,9 @@ def entry_named(name: str) -> Entry:
 
 def keys_of_name(name: str) -> tuple[str, ...]:
     """The keys of the methods that a key, a title or another name may mean; () for an unknown name."""
-    if name in METHODS or name in FACTS_ONLY:
-        return (name,)
+    key = name.casefold().replace("-", "_")  # RADAU-IIA5 is a key, though Radau IIA 5 may mean two methods
+    if key in METHODS or key in FACTS_ONLY:
+        return (key,)
     return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))
 
 

@@ -190,6 +190,9 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
         try:
             parameters[name] = parse_number(str(value), f"parameters.{name}")
         except ValueError:
+            later = [each for each in _WORD.findall(str(value)) if each in given and each not in {*parameters, *names}]
+            if later and later[0] != name:
+                raise ValueError(f"parameters.{name}: {later[0]} has to stand before it") from None
             if not {"pi", *FUNCTIONS, *parameters, *names}.issuperset(_WORD.findall(str(value))):
                 raise
             names[name] = f"({rate_of_text(str(value), names)})"

@@ -362,6 +362,8 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     """
     if isinstance(given, Method | Family | FactsOnly):
         return given
+    if isinstance(given, KeyOfMethod):
+        return given.method
     if not isinstance(given, str | Path):
         raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
@@ -380,11 +382,33 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     return found or entry_named(name)
 
 
+class KeyOfMethod(str):
+    """The key of a method that is not in the catalogue, with the method itself: scenes name methods by text."""
+
+    __slots__ = ("method",)
+    method: Method
+
+    def __new__(cls, method: Method) -> KeyOfMethod:
+        """Keep the method; one with the key of another method in the catalogue is "of your own"."""
+        found = super().__new__(cls, f"{method.key} of your own" if method.key in METHODS else method.key)
+        found.method = method
+        return found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The method, from which another process makes the key again."""
+        return KeyOfMethod, (self.method,)
+
+
 def names_of(given: GivenMethods) -> list[str]:
-    """The keys and files by which a scene names these methods. Raises ValueError for a method that has neither."""
-    named = []
+    """The keys and files by which a scene names these methods. Raises ValueError for two of your own with one key."""
+    named = list[str]()
     for each in _each(given):
-        if not isinstance(each, str | Path) and METHODS.get(each.key) != each:
-            raise ValueError(f"scenes name methods by key or .toml file; {each.key} has neither")
-        named.append(str(each) if isinstance(each, str | Path) else each.key)
+        if isinstance(each, str | Path):
+            named.append(each if isinstance(each, str) else str(each))
+        else:
+            named.append(each.key if METHODS.get(each.key) == each else KeyOfMethod(each))
+    own: dict[str, Method] = {}
+    for name in named:
+        if isinstance(name, KeyOfMethod) and own.setdefault(name, name.method) != name.method:
+            raise ValueError(f"two methods have the key {name}; give each a key of its own")
     return named

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker, maker_text, used_stages
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import shortened
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
@@ -72,11 +73,11 @@ class VectorField:
             raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                said = f"rate {i} is {rate!r}; a second-order system needs {v!r}: positions come first"
+                said = f"rate {i} is {shortened(rate)!r}; a second-order system needs {v!r}: positions come first"
                 raise MethodError(self.in_own_words(said))
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
-                said = f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
+                said = f"rate {i}, {shortened(rate)!r}, reads the velocity {v}; kicks and drifts need accelerations"
                 raise MethodError(f"{self.in_own_words(said)} that depend on positions only")
         return positions, velocities
 

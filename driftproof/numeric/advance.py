@@ -80,6 +80,11 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
     return program_function(text, "run", field.parameters, FLOAT_FUNCTIONS if functions is None else functions)
 
 
+def rests_at_origin(problem: Problem) -> bool:
+    """True if f(0, 0) = 0 in floats, as where c is 0 in f(t, y) = A(y - c)."""
+    return not any(field_rate(problem.field)(0.0, (0.0,) * len(problem.start)))
+
+
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
     """The number of evaluations of f, or of the accelerations, in `steps` steps, counted on the text that is run.
 

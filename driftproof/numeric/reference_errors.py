@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.numeric.advance import rests_at_origin
 from driftproof.numeric.problems.problem import Digits, Problem
 
 _DIGITS = 60
@@ -54,8 +55,8 @@ def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Si
 
 
 def is_oscillator(problem: Problem) -> bool:
-    """True for q' = v, v' = -q, whose phase is an angle in the plane of q and v."""
-    return problem.matrix == _OSCILLATOR
+    """True for q' = v, v' = -q, whose phase is an angle in the plane of q and v; not about another point of rest."""
+    return problem.matrix == _OSCILLATOR and rests_at_origin(problem)
 
 
 def distance_from_digits(state: _Floats, digits: Digits) -> float:

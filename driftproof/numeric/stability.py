@@ -20,6 +20,9 @@ _Rows: TypeAlias = list[list[Decimal]]
 STEPS_BETWEEN_CHECKS = 1 << 12
 # The step sizes at which growth is first looked for, as powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30
+# A proved limit H is looked beyond at H (1 + 2**-k), for growth that ends before the next power; and above the first
+# growth there are so many equally spaced looks for an end of it (chosen: gaps of splittings are some tenths wide).
+BEYOND, AGAIN = range(4, 41, 4), 48
 
 # Powers 2**n, n up to SQUARINGS, count as bounded if they stay below GROWTH. A spectral radius ρ > 1 is detected from
 # ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a float step were rounded,
@@ -133,23 +136,43 @@ def _square(a: _Rows) -> _Rows:
     return [[sum((x * y for x, y in zip(row, column, strict=True)), Decimal(0)) for column in columns] for row in a]
 
 
-def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:
+def largest_bounded(
+    is_bounded: Callable[[float], bool], scale: float, proved: float | None = None
+) -> tuple[float, float]:
     """Two neighbouring doubles, bounded at the first but not at the next, by bisection where growth first shows.
 
-    Looks at h = 2ⁿ scale for n from SMALLEST to LARGEST. Returns (0, h) if the smallest is not bounded, and (h, inf) if
-    all are. The pair is one change from bounded to not: the first, unless two lie between neighbouring powers of two.
+    Looks at h = 2ⁿ scale for n from SMALLEST to LARGEST, and just beyond a `proved` limit, as growth may end again
+    before the next power of two. Returns (0, h) if the smallest is not bounded, and (h, inf) if all are. The pair is
+    one change from bounded to not: the first, unless two lie between neighbours of these h.
     """
-    low = 0.0
-    for exponent in range(SMALLEST, LARGEST + 1):
-        high = scale * 2.0**exponent
+    powers, low = [scale * 2.0**exponent for exponent in range(SMALLEST, LARGEST + 1)], 0.0
+    beyond = [proved * (1 + 2.0**-k) for k in BEYOND if proved and powers[0] < proved < powers[-1]]
+    for high in sorted([*powers, *beyond]):
         if not is_bounded(high):
-            break
+            return _change(is_bounded, low, high) if low else (low, high)
         low = high
-    else:
-        return low, inf
-    while low > 0 and nextafter(low, high) < high:
+    return low, inf
+
+
+def bounded_again(is_bounded: Callable[[float], bool], grows: float) -> tuple[float, ...]:
+    """The first h above `grows` with bounded powers and the last before they grow again, seen at AGAIN h up to 4 grows.
+
+    Both are found by bisection; () if no look finds bounded powers, one number if none finds growth after them.
+    """
+    ends, low = list[float](), grows
+    for high in (grows * (1 + 3 * k / AGAIN) for k in range(1, AGAIN + 1)):
+        if len(ends) < 2 and is_bounded(high) is not bool(ends):
+            ends.append(_change(is_bounded, low, high)[1 - len(ends)])
+        low = high
+    return tuple(ends)
+
+
+def _change(is_bounded: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
+    """Two neighbouring doubles between which the answer changes, which differs at the two given."""
+    at_low = is_bounded(low)
+    while nextafter(low, high) < high:
         middle = (low + high) / 2
-        low, high = (middle, high) if is_bounded(middle) else (low, middle)
+        low, high = (middle, high) if is_bounded(middle) is at_low else (low, middle)
     return low, high
 
 

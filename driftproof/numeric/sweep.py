@@ -218,7 +218,7 @@ def _run_point(scene: Scene, values: Values) -> Found:
 def _check_value(name: str, value: object) -> None:
     """Raise ValueError for a value of the wrong type, or an unknown method, with the suggestion of `method_of`."""
     if name == "selected":
-        method_of(str(value))
+        method_of(value if isinstance(value, str) else str(value))
     elif name == "start":
         if not (isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, Fraction) for x in value)):
             raise ValueError(f"the axis 'start' has {value!r}; write pairs of Fractions")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from math import inf, isfinite
+from typing import TypeVar
 
 from flint import ctx
 
@@ -12,16 +15,26 @@ from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import GivenMethods, methods_of
-from driftproof.numeric.advance import Advance, advance, float_start, step_times
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits
-from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
+from driftproof.numeric.stability import (
+    Observed,
+    bounded_again,
+    euclidean_norm,
+    fewest_steps,
+    largest_bounded,
+    observe,
+    stays_bounded,
+)
 from driftproof.reports.progress import with_progress
-from driftproof.reports.user_problem import GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted, table, with_digits
+from driftproof.support.progress import stage
 from driftproof.support.results import Answered
-from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
+from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, Uncertified, enclose, significant
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
@@ -29,6 +42,7 @@ from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounde
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
+_Rounded = TypeVar("_Rounded")
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 _DIGITS = 6
@@ -46,11 +60,16 @@ _LOST = 1e6
 
 
 def stability(
-    problem: GivenProblem | None = None, methods: GivenMethods = (), h: ExactNumber | Sequence[ExactNumber] = ()
+    problem: GivenProblem | None = None,
+    methods: GivenMethods = (),
+    h: ExactNumber | Sequence[ExactNumber] = (),
+    *,
+    parameters: GivenParameters = (),
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
 
-    A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function.
+    A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function;
+    `parameters` replace some of its own.
 
     The data are {"problem", "title", "linear", "size", "methods": [...]}, with one entry per method. `h` are step sizes
     that divide t; without them runs of 10, 100 and 1000 steps are shown. For a linear problem `limit`, `attained` and
@@ -63,7 +82,7 @@ def stability(
     """
     if problem is None:
         return Answered(problems_json(PROBLEMS.values()), problems_text)
-    about = problem_given(problem)
+    about = problem_given(problem, parameters)
     counts = [step_count(about.t, size) for size in steps_of(h)] or list(_SHOWN)
     if max(counts) > _MOST_SHOWN:
         raise ValueError(f"{brief(max(counts))} steps to t = {about.t} are too many; at most {_MOST_SHOWN} are run")
@@ -73,9 +92,14 @@ def stability(
         "title": about.title,
         "linear": about.matrix is not None,
         "size": repr(solution_size(about)),
-        "methods": [_method_answer(about, each, counts) for each in with_progress(asked, "method")],
+        "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
+
+
+def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
+    with stage(f"{method.key} on {problem.key}"):
+        return _method_answer(problem, method, counts)
 
 
 def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
@@ -88,7 +112,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
     return {
         **header,
         "expected": expected_of(problem, method),
-        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found, runs)),
+        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
     }
 
@@ -121,15 +145,25 @@ def behaviour(method: Method, problem: Problem) -> str:
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
 
 
-def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
-    norm = max(sum(abs(x) for x in row) for row in found.rows) or 1
-    low, high = largest_bounded(lambda h: stays_bounded(runs, len(problem.start), h), 1 / float(norm))
+def _linear_part(problem: Problem, found: SystemFacts) -> Json:
+    runs = advance(found.method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
+    norm, limit = max(sum(abs(x) for x in row) for row in found.rows) or 1, _proved_limit(found)
+    is_bounded = lambda h: stays_bounded(runs, len(problem.start), h)
+    proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
+    low, high = largest_bounded(is_bounded, 1 / float(norm), float(proved))
+    again = bounded_again(is_bounded, high) if low and isfinite(high) else ()
     r = stability_function_of(found.method)
     return {
-        **_proved_limit(found),
-        "at_infinity": None if r is None else "oo" if (limit := r.at_infinity()) is None else str(limit),
-        "seen": {"bounded": repr(low), "grows": repr(high)},
+        **limit,
+        "at_infinity": None if r is None else "oo" if (at := r.at_infinity()) is None else str(at),
+        "seen": {"bounded": repr(low), "grows": repr(high), **({"again": list(map(repr, again))} if again else {})},
     }
+
+
+def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
+    """The field Ay, in which a velocity that is a rate stands alone."""
+    terms = ([(x, f"y{j}") for j, x in enumerate(row) if x] for row in rows)
+    return VectorField(tuple(" + ".join(y if x == 1 else f"({x}) * {y}" for x, y in each) or "0" for each in terms))
 
 
 def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
@@ -165,12 +199,12 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
         bounded: bool | str = bounded_at(found, h)
     except UndecidedLimitError as reason:
         bounded = str(reason)
-    factor = stiffest_factor(found, h)
-    return {
-        "bounded": bounded,
-        "factor": exact_and_decimal(factor, _DIGITS, HALF_EVEN),
-        "factor_less_one": _minus_one(factor),
-    }
+    try:
+        factor = stiffest_factor(found, h)
+        shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), _DIGITS)
+        return {"bounded": bounded, "factor": shown, "factor_less_one": _minus_one(factor)}
+    except ArithmeticError as reason:  # Uncertified, or a pole
+        return {"bounded": bounded, "factor": {"refused": str(reason)}, "factor_less_one": None}
 
 
 def _minus_one(factor: CertifiableReal) -> str | None:
@@ -178,7 +212,14 @@ def _minus_one(factor: CertifiableReal) -> str | None:
     with ctx.workprec(_ONE_BITS):
         if (enclose(factor) - 1).contains(0):
             return None
-    return significant(lambda: enclose(factor) - 1, 2)
+    return _with_a_digit_more(lambda digits: significant(lambda: enclose(factor) - 1, digits), 2)
+
+
+def _with_a_digit_more(rounded: Callable[[int], _Rounded], digits: int) -> _Rounded:
+    """A number to so many digits; if no ball tells it from half a unit of the last, that 5 is its next digit."""
+    with suppress(Uncertified):
+        return rounded(digits)
+    return rounded(digits + 1)
 
 
 def error_of(problem: Problem, seen: Observed) -> float:
@@ -233,7 +274,9 @@ def _seen_text(seen: Json) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
     if high == inf:
         return f"up to {with_digits(low, 4)}, the largest tried"
-    return f"up to {with_digits(low, 10)}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
+    again = [with_digits(float(h), 4) for h in seen.get("again", ())]
+    then = f", again from {' to '.join(again)}" if again else ""
+    return f"up to {with_digits(low, 10)}{then}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
 
 
 def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
@@ -252,7 +295,7 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
 
 def _factor_text(run: Json) -> str:
     """The decimal, or the difference of the factor from 1 if the decimal is 1."""
-    decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
+    decimal, rest = run["factor"].get("decimal", "not decided"), run["factor_less_one"]
     if rest is None or Fraction(decimal) != 1:
         return str(decimal)
     return f"1 {'-' if rest.startswith('-') else '+'} {rest.lstrip('-')}"

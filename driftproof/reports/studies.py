@@ -10,7 +10,7 @@ from pathlib import Path
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
 from driftproof.reports.progress import progress_bar
-from driftproof.reports.user_problem import GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
 from driftproof.reports.work_precision.study import Study, measure
@@ -29,6 +29,8 @@ def work_precision(
     problem: GivenProblem = "harmonic_oscillator",
     methods: GivenMethods = (),
     *,
+    parameters: GivenParameters = (),
+    error: float | None = None,
     peers: Sequence[str] = (),
     time_limit: float = 0.1,
     output: str | Path | None = None,
@@ -36,14 +38,17 @@ def work_precision(
     """The errors that methods reach on a problem, with how many evaluations of f, in what time; `found` has the points.
 
     A point may be timed for `time_limit` seconds; runs for errors may take 10⁸ evaluations for each of these seconds.
-    `output` is a folder for files and figures, from which an interrupted study goes on. Raises ValueError.
+    `parameters` replace some of the problem's own. `error` is the accuracy that you want: which point reaches it with
+    the fewest evaluations is told first. `output` is a folder for files and figures, from which an interrupted study
+    goes on. Raises ValueError.
 
     >>> from driftproof import work_precision
     >>> study = work_precision("dahlquist_1", ["forward_euler"], time_limit=1e-4)
     >>> study["errors"]["curves"][0]["points"][0]["evaluations"]
     8
     """
-    study = Study(problem_given(problem), methods_of(methods or WORK_PRECISION_METHODS), peers_named(peers), time_limit)
+    about, asked = problem_given(problem, parameters), methods_of(methods or WORK_PRECISION_METHODS)
+    study = Study(about, asked, peers_named(peers), time_limit, error)
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:
         if folder:

@@ -6,13 +6,16 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, ctx, fmpq_mat
 
+from driftproof.enclosure.certificate import decimal
+from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.problem_tables import problem_table, rational_entry
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
@@ -20,13 +23,17 @@ from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
+from driftproof.methods.number_field import as_fmpq
+from driftproof.methods.rationals import ExactNumber, brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
+from driftproof.numeric.reference_errors import ENERGY, floors
+from driftproof.support.plain_text import unknown
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, read_toml
-from driftproof.symbolic.algebra.certified import Uncertified, significant
+from driftproof.support.toml_tables import TomlTable, as_line, as_table, read_toml
+from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
 
@@ -42,29 +49,52 @@ DEEPER_DIGITS = 10
 # Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
+# A double 9.81 in f and the exact one in an energy make it change by some u of its terms: less than this many u is said
+# to be conserved.
+CONSTANTS_OFF = 1e6
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
+# Values of some parameters by name, as a mapping or as pairs.
+GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
-def problem_given(given: GivenProblem) -> Problem:
+def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Problem:
     """A problem by its key, or by a .toml file or a dict of its equations. Raises Refused, and ValueError in one line.
+
+    `parameters` replace those of the file or the dict.
 
     The file has start and end, and rates or in their place a Python function, "module:f", which is run once on symbols.
     Optional are parameters (a function gets them as keywords, as doubles), a title and an energy; the help of
     `driftproof stability` shows one. A dict has the same keys; its function may be a Python function itself, and its
     decimals are floats.
     """
+    others = dict(parameters)
+    if isinstance(given, Mapping):
+        name = getattr(given.get("function"), "__name__", "own")
+        return _problem(with_parameters(_as_toml(given), others, name), name)
+    if others and not str(given).endswith(".toml"):
+        raise ValueError(f"parameters are of a problem in a .toml file or a dict; {brief(given)} has none to change")
     if isinstance(given, Problem):
         return given
-    if isinstance(given, Mapping):
-        return _problem(_as_toml(given), getattr(given.get("function"), "__name__", "own"))
     own: Any = given
     if callable(own):
         example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
+    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, others, name), name))
+
+
+def with_parameters(table: TomlTable, parameters: Mapping[str, ExactNumber], name: str) -> TomlTable:
+    """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
+    if not parameters:
+        return table
+    held = as_table(table.get("parameters", {}), "parameters")
+    if others := [each for each in parameters if each not in held and "function" not in table]:
+        raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
+    values = {each: str(value) for each, value in parameters.items()}
+    told = ", ".join(f"{each} = {value}" for each, value in values.items())
+    return table | {"parameters": held | values, "title": f"{table.get('title', name)} with {told}"}
 
 
 def names_problem(given: object) -> bool:
@@ -85,7 +115,23 @@ def _problem(table: TomlTable, name: str) -> Problem:
     with suppress(MethodError):
         second_order = bool(field.second_order())
     found = Problem(name, title, field, start, reference, name, energy, second_order, matrix=matrix_in(field))
+    if energy is not None:
+        _require_conserved(found, energy)
     return replace(found, unknowns=unknowns)
+
+
+def _require_conserved(problem: Problem, energy: str) -> None:
+    """Raise ValueError if the solution changes the energy by more than ten digits of doubles in f or in it explain."""
+    function, least = field_function(problem.field, (energy,)), 0.0
+    with ctx.workprec(BITS_AT_FIRST), suppress(ArithmeticError, Refused):  # of an energy without a value somewhere
+        least = CONSTANTS_OFF * floors(problem)[ENERGY]
+        first = enclosed_invariant(lambda y: function(y[0] * 0, y), [enclose(x) for x in problem.start], "energy")
+        for t, digits in zip(problem.reference.times, problem.reference.states, strict=True):
+            balls = [arb(f"{text} +/- 1e{Decimal(text).as_tuple().exponent}") for text in digits]
+            change = enclosed_invariant(lambda y: function(y[0] * 0, y), balls, "energy") - first
+            if change.abs_lower() > least:
+                said = f"the solution has changed it by {decimal(change)} at t = {t}"
+                raise ValueError(f"energy is not conserved by f: {said}; correct it, or leave it out")
 
 
 def _as_toml(value: Any) -> Any:
@@ -137,15 +183,20 @@ def _digits(x: arb, largest: arb) -> str:
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
-    """A, if f(t, y) = Ay is written so, in at most MOST_PROVED components, and no solution grows; else None."""
+    """A, if f(t, y) = A(y - c) is written so, or as Ay + b, in at most MOST_PROVED components, and no solution grows.
+
+    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None.
+    """
     n, zero = len(field.rates), Fraction(0)
     slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components if n <= MOST_PROVED]
     if n > MOST_PROVED or not field.autonomous or re.search(r"\by\d", " ".join(slopes)):
         return None
     try:
-        at_rest, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
+        at_origin, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
         rows = tuple(tuple(map(Fraction, numbers[i : i + n])) for i in range(0, n * n, n))
+        with_b = [[as_fmpq(Fraction(x)) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
+        shifted = fmpq_mat(with_b).rank() == fmpq_mat([row[:-1] for row in with_b]).rank()  # b is in the range of A
         bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
     except (TypeError, ValueError, ArithmeticError):
         return None
-    return rows if bounded and not any(at_rest) else None
+    return rows if bounded and shifted else None

@@ -1,4 +1,4 @@
-"""The progress line of long computations, with the seconds that have passed; shown on a terminal only."""
+"""The progress line of long computations, with the seconds that have passed; elsewhere than on a terminal, one line."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from typing import TextIO
 # Seconds before the progress line first appears, and between two updates of it.
 SILENCE, BEAT = 2.0, 1.0
 _BACK = "\b"
+# Set by pytest for what a test starts, and where nobody waits: outputs are compared there, and times differ.
+QUIET = {"PYTEST_CURRENT_TEST", "CI"}
 # Held by the `working` block that shows the line; blocks within it show none of their own.
 _SHOWING = Lock()
 # The stages that are in progress, the outermost first.
@@ -26,17 +28,20 @@ def on_terminal(stream: TextIO | None = None) -> bool:
 
 
 @contextmanager
-def working(name: str, stream: TextIO | None = None) -> Iterator[None]:
+def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> Iterator[None]:
     """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
     Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
-    the seconds are shown, after the text that the line already has.
+    the seconds are shown, after the text that the line already has. If `plain`, a standard error of this process that
+    is no terminal gets one line, after SILENCE, but not in tests and on CI.
     """
-    if not on_terminal(stream) or not _SHOWING.acquire(blocking=False):
+    shown = on_terminal(stream)
+    said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
+    if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return
     done, place = Event(), os.dup((stream or sys.stderr).fileno())  # a test runner may replace the file meanwhile
-    thread = Thread(target=_show, args=(name, done, place), daemon=True)
+    thread = Thread(target=_show if shown else _say, args=(name, done, place), daemon=True)
     thread.start()
     try:
         yield
@@ -69,6 +74,12 @@ def stage(words: str) -> Iterator[Stage]:
         yield found
     finally:
         _STAGES.remove(found)
+
+
+def _say(name: str, done: Event, place: int) -> None:
+    if not done.wait(SILENCE):
+        with suppress(OSError):
+            os.write(place, f"{name}: {_STAGES[-1].words if _STAGES else 'working (Ctrl-C ends it)'}\n".encode())
 
 
 def _show(name: str, done: Event, place: int) -> None:

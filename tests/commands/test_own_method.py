@@ -112,7 +112,7 @@ def test_a_name_with_blanks_is_quoted_in_questions_of_templates_and_drafts(folde
     assert "1 claim" in answer("check", "text.md", "--claims", "claims.toml")
 
 
-EDITED = {"mine.toml": ("1/6", "1/7"), "problem.toml": ("y0^2/2", "y0^2")}
+EDITED = {"mine.toml": ("1/6", "1/7"), "problem.toml": ("y1^2/2 + y0^2/2", "y1^2 + y0^2")}
 
 
 @pytest.mark.parametrize("edited", EDITED)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from fractions import Fraction
@@ -94,6 +95,51 @@ def test_accuracy_is_asserted_with_the_worst_point():
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
 
 
+def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_exprel():
+    """y' = 1 + y/(1 - exp(-y)) crosses y = 0 smoothly, where Hodgkin's and Huxley's rates have such quotients."""
+    special = pytest.importorskip("scipy.special")
+    run = [0.0, 0.5, 1.0], [[-1.0], [-0.1], [1.0]]
+    with pytest.raises(
+        Refused, match=r"^f divides 0, or nearly 0, by 0 near t = 0\.5651.*; where that is no pole.*exprel"
+    ):
+        certify(lambda t, y: [1 + y[0] / (1 - math.exp(-y[0]))], *run)
+    found = certify(lambda t, y: [1 + 1 / special.exprel(-y[0])], *run)
+    with mpmath.workdps(30), ctx.workprec(128):
+        rate = lambda t, y: [1 + (y[0] / (1 - mpmath.exp(-y[0])) if y[0] else 1)]
+        true = mpmath.odefun(rate, 0, [mpmath.mpf(-1)], tol=mpmath.mpf("1e-22"))(1)[0]
+        assert abs(found.errors[2][0] - (1 - arb(mpmath.nstr(true, 28)))) < 1e-18
+
+
+def test_a_kink_is_named_and_how_to_cut_there_but_a_pole_is_none():
+    kink = r"^f compares numbers that are equal near t = 0\.6931.*a kink or a jump.*cut there.*the step across, and"
+    for f in (lambda t, y: abs(y) + 1, lambda t, y: np.maximum(y, -y) + 1):
+        with pytest.raises(Refused, match=kink):
+            certify(f, [0.0, 2.0], [[-1.0], [1.0]])
+    with pytest.raises(Refused, match=r"^f or the solution has a pole, or f is not smooth, near t = 1\.57"):
+        certify(lambda t, y: 1 + y * y, [0.0, 2.0], [[0.0], [1.0]])
+
+
+def test_components_of_different_size_have_digits_and_tolerances_of_their_own():
+    """B of Robertson's kinetics is 1e-5 of A: 3 digits of the state are one of B. A component that is 0 has none."""
+    rows = [[1.0, 1e-5, 0.0], [0.5001, 0.5e-5 + 1e-6, 0.0]]
+    fall = lambda t, y: [-y[0] * math.log(2), -y[1] * math.log(2), 0 * y[2]]
+    found = certify(fall, [0.0, 1.0], rows)
+    assert (found.digits, found.digits_of) == (3, (4, 1, None))
+    line = "one by one, component 1 is the worst: 1 correct digit, relative to its own largest size; off by 1.00000"
+    assert f"\n{line}" in found.text()
+    assert found.record()["digits_of"] == [4, 1, None]
+    even = certify(fall, [0.0, 1.0], [rows[0], [0.5001, 0.5e-5 + 1e-10, 0.0]])
+    assert (even.digits, even.digits_of) == (3, (4, 4, None))
+    assert "one by one" not in even.text()
+    assert_accurate(([0.0, 1.0], rows), fall, 1e-3)
+    assert_accurate(([0.0, 1.0], rows), fall, [1e-3, 2e-6, 1e-12])
+    with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-07: component 1 at t = 1, point 1 of"):
+        assert_accurate(([0.0, 1.0], rows), fall, np.array([1e-3, 1e-7, 1e-12]))
+    for wrong, words in (([1e-3, 1e-3], "one for each of the 3 comp"), ([1, 1, -1], "must be a number >= 0")):
+        with pytest.raises(ValueError, match=words):
+            assert_accurate(([0.0, 1.0], rows), fall, wrong)
+
+
 def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):
     monkeypatch.setattr(module, "BITS_AT_FIRST", 32)
     found = certify(decay, TIMES, classical(decay, TIMES, [1.0]))
@@ -179,6 +225,7 @@ REFUSED = {
 }  # fmt: skip
 BAD_INPUT = {
     r"f is not a right-hand side but a NoneType; give f\(t, y\) or its text": (None, [0, 1], [[1], [1]]),
+    r"^t is text; give t and y as arrays of numbers, or in their place the path of one file$": (decay, "t", "y"),
     r"f has 2 components, but the trajectory has 3": ("y1; -y0", [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f returns 2 numbers for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f returns 3 numbers for 1 components": (

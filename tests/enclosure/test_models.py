@@ -7,7 +7,7 @@ from flint import acb, acb_poly, arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure import models
 from driftproof.enclosure.models import TaylorModel, value_at
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.numbers import Refused, _exprel
 from tests.enclosure.mutants import mutant
 
 LENGTH = 12
@@ -102,6 +102,22 @@ def test_branch_point_in_the_disc_is_refused(function, coefficients):
 def test_pole_in_the_disc_is_refused():
     with pytest.raises(Refused, match="divides by a number that may be 0 within the step"):
         _ = 1 / TaylorModel([arb(1), arb(1.25)], LENGTH)
+
+
+@pytest.mark.parametrize("curve", [(0.0, 0.25), (0.3, 0.5, -0.25), (-0.5, 0.125), (3.0, 0.25)])
+@pytest.mark.parametrize("tail", [0, 2.0**-6])
+def test_exprel_of_a_model_is_held_on_the_disc_also_where_it_is_0_by_0(curve, tail):
+    with ctx.workprec(128):
+        coefficients = [*map(arb, curve), *[arb(0)] * (LENGTH - len(curve))]
+        model, x = TaylorModel(coefficients, LENGTH, arb(tail)), acb_poly([*coefficients, tail])
+        exprel = lambda z: (z.exp() - 1) / z
+        for slope, theirs in ((False, exprel), (True, lambda z: (z.exp() - exprel(z)) / z)):
+            found = _exprel(model, slope=slope)
+            points = [(acb(0, arb.pi() * (k + 0.5) / 6)).exp() for k in range(12)]
+            away = [abs(theirs(x(z)) - acb_poly(found.polynomial.coeffs())(z)) for z in points]
+            assert not any(each > found.tail for each in away)
+            assert found.tail < 40 * (tail + 2.0**-20)
+            assert not all(each < found.tail / 40 for each in away) or not tail
 
 
 def test_sums_and_constants():

@@ -6,9 +6,10 @@ import math
 from fractions import Fraction
 from itertools import product
 
+import mpmath
 import numpy as np
 import pytest
-from flint import arb, arb_series
+from flint import arb, arb_series, ctx
 
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
@@ -85,6 +86,29 @@ def test_comparisons_are_decided_recorded_and_replayed():
         _ = ball(arb(1), evaluation=replayed) > 0
     with pytest.raises(Refused, match="whose enclosures overlap"):
         _ = x > 1
+
+
+def test_exprel_is_enclosed_at_0_around_it_and_where_it_is_a_quotient():
+    """(exp x - 1)/x and its derivative: 1 and 1/2 at 0; series of it are those of the values near by."""
+    special = pytest.importorskip("scipy.special")
+    exact = lambda x: mpmath.expm1(x) / x if x else mpmath.mpf(1)
+    slope = lambda x: (mpmath.exp(x) - exact(x)) / x if x else mpmath.mpf(1) / 2
+    with mpmath.workdps(40), ctx.workprec(100):
+        for middle, radius in product((-3, -1, 0, 0.5, 1, 40), (0, 0.25, 2)):
+            found = special.exprel(Enclosed(Evaluation(), arb(middle, radius), (arb(1),)))
+            for x in (middle - radius, middle, middle + radius):
+                assert found.value.overlaps(arb(mpmath.nstr(exact(x), 38), 1e-30))
+                assert found.partials[0].overlaps(arb(mpmath.nstr(slope(x), 38), 1e-30))
+            assert radius or abs(found.partials[0] - arb(mpmath.nstr(slope(middle), 38))) < 1e-10
+            assert radius or found.value.rad() < 1e-10
+        with pytest.raises(Refused, match="wide range"):
+            special.exprel(Enclosed(Evaluation(), arb(0, 1000)))
+        cap, ctx.cap = ctx.cap, 8
+        for middle in (0, 0.75, 2):
+            series_of = special.exprel(series(Evaluation(), [arb(middle), arb(1)], 8)).value
+            at = sum((arb(series_of[k]) * arb("1e-3") ** k for k in range(8)), arb(0))
+            assert abs(at - arb(mpmath.nstr(exact(middle + mpmath.mpf("1e-3")), 38))) < 1e-27
+        ctx.cap = cap
 
 
 @pytest.mark.parametrize("x", [math.inf, math.nan, 1j, "1", None])

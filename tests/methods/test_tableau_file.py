@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
@@ -226,11 +227,15 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
         assert read_method(str(path)).key == key
 
 
-def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> None:
+def test_scene_names_a_method_by_its_key_its_file_or_itself() -> None:
     assert names_of(["rk4", Path("mine.toml"), METHODS["heun2"]]) == ["rk4", "mine.toml", "heun2"]
     assert names_of("rk4, heun2") == [*names_of(METHODS["rk4"]), *names_of(Path("heun2"))]
-    with pytest.raises(ValueError, match="scenes name methods by key or"):
-        names_of(replace(METHODS["rk4"], source="mine"))
+    own, other = replace(METHODS["rk4"], source="mine"), replace(METHODS["heun2"], key="mine")
+    named = names_of([own, "rk4", other])
+    assert named == ["rk4 of your own", "rk4", "mine"]
+    assert [method_of(pickle.loads(pickle.dumps(each))) for each in named] == [own, METHODS["rk4"], other]
+    with pytest.raises(ValueError, match="two methods have the key rk4 of your own; give each a key of its own"):
+        names_of([own, replace(own, title="Another")])
 
 
 def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from driftproof.numeric.stability import (
     GROWTH,
     SQUARINGS,
     _by_floats,
+    bounded_again,
     fewest_steps,
     largest_bounded,
     observe,
@@ -119,6 +120,18 @@ def test_bisection_says_where_nothing_grows_and_where_all_does() -> None:
     assert largest_bounded(lambda h: True, 1.0) == (2.0**30, inf)
     assert largest_bounded(lambda h: False, 1.0) == (0.0, 2.0**-20)
     assert largest_bounded(lambda h: h <= 0.7, 1.0) == (0.7, nextafter(0.7, 1.0))
+
+
+def test_growth_that_ends_before_the_next_power_of_two_is_not_jumped_over() -> None:
+    """PEFRL's step on two springs of frequencies 1 and √3 grows from 1.72596 to 2.0238, and from 2.98935 on."""
+    gap = lambda h: not 1.7259 <= h <= 2.0238 and h < 2.9894
+    assert largest_bounded(gap, 1 / 3)[1] == 2.9894
+    assert largest_bounded(gap, 1 / 3, 1.7259) == (nextafter(1.7259, 0.0), 1.7259)
+    assert largest_bounded(gap, 1 / 3, 1.5)[1] == 2.9894  # a wrong limit moves nothing where no growth is seen
+    assert bounded_again(gap, 1.7259) == (nextafter(2.0238, inf), nextafter(2.9894, 0.0))
+    assert bounded_again(gap, 2.9894) == ()
+    assert bounded_again(lambda h: h > 3, 1.0) == (nextafter(3.0, inf),)
+    assert bounded_again(lambda h: h > 4, 1.0) == ()
 
 
 def test_weak_growth_is_seen_only_above_what_so_many_steps_show() -> None:

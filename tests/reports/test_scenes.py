@@ -1,10 +1,11 @@
 """A scene from Python: numbers, figures where asked."""
 
+from dataclasses import replace
 from fractions import Fraction as Q
 
 import pytest
 
-from driftproof import report, scene, sweep
+from driftproof import METHODS, read_method, report, scene, sweep
 from tests.looping import some
 
 
@@ -44,7 +45,7 @@ def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_tha
         assert found["evaluations"] == known["evaluations"]
     assert shown["readouts"] == swept[0].found
     assert all(word in str(scene(path)) for word in ("own.toml", "Gauss"))
-    (tmp_path / "own.toml").write_text(OWN.replace("-y0", "-2*y0"))
+    (tmp_path / "own.toml").write_text(OWN.replace("-y0", "-2*y0").replace("y0^2 +", "2*y0^2 +"))
     with pytest.raises(ValueError, match="belongs to another sweep"):
         sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl")
     with pytest.raises(ValueError, match="the problem fixes the start"):
@@ -81,3 +82,18 @@ def test_a_method_that_does_not_apply_says_so_in_its_row(tmp_path):
         'problem = "robertson"\nselected = "rk4"\nh = 100000000000\nmethods = ["velocity_verlet"]\npanels = ["table"]'
     )
     assert "a second-order system has as many velocities as positions" in str(scene(path))
+
+
+def test_scenes_and_sweeps_take_methods_that_are_objects(tmp_path):
+    """A method from a file, and one with the key of another, beside one of the catalogue; also in other processes."""
+    (tmp_path / "own.toml").write_text('family = "runge_kutta"\nA = [[0, 0], ["1/2", 0]]\nb = [0, 1]\n')
+    own, mine = read_method(tmp_path / "own.toml"), replace(METHODS["heun2"], title="Mine")
+    table = scene("default", methods=[own, mine, "midpoint2"]).found["table"]
+    assert list(table) == ["own", "heun2 of your own", "midpoint2"]
+    assert table["own"] == table["midpoint2"]
+    asked = {"methods": [own, mine, "midpoint2"], "h": "1/4", "output": tmp_path / "kept.jsonl"}
+    found = [sweep("default", **asked, workers=workers).found for workers in (1, 2)]  # the second is read from the file
+    errors = {answer.values["selected"]: answer.found["state_error"] for answer in found[0]}
+    assert errors["own"] == errors["midpoint2"]
+    assert found[0] == found[1]
+    assert [each["selected"] for each in sweep("pendulum", methods=own, h="1/4").data["points"]] == ["own"]

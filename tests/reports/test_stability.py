@@ -5,10 +5,12 @@ import re
 from fractions import Fraction
 
 import pytest
+from flint import arb, fmpq
 
 import driftproof
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.reports import stability as reports
 from driftproof.reports.stability import _limit_text, _seen_text, stability_text
 from tests.looping import exactly
 
@@ -67,6 +69,32 @@ def test_a_factor_close_to_one_says_on_which_side_it_is(answer):
     assert "yes       1 - 6.9e-15" in rows["rk4", "0.01", "1000"]
     assert "no        1 + 1.4e-6" in rows["dormand_prince54", "1", "10"]
     assert "yes       1.00000" in rows["velocity_verlet", "1", "10"]
+
+
+def test_the_limit_seen_is_the_first_h_that_fails_and_what_is_bounded_above_it_is_told(answer, tmp_path):
+    """Two springs of frequencies 1 and √3; for RK4 there is no h above the limit."""
+    (tmp_path / "springs.toml").write_text(
+        'rates = ["y2", "y3", "-2*y0+y1", "y0-2*y1"]\nstart = [1, 0, 0, 0]\nend = 20'
+    )
+    out = answer("stability", str(tmp_path / "springs.toml"), "--methods", "pefrl,rk4")
+    assert re.search(r"\npefrl +h < 1.7259595000... +up to 1.725959500, again from 2.024 to 2.989 +none\n", out)
+    assert re.search(r"\nrk4 +h <= 2\*sqrt\(6\)/3 = 1.6329931618... +up to 1.632993162 +oo\n", out)
+
+
+def test_a_factor_that_no_ball_rounds_ends_no_report(monkeypatch, answer, tmp_path):
+    """R = (1 - w²)/2 at -1 ± wi is short: 3/8 - 1 is half a unit of two digits; and what is not decided is one cell."""
+    (tmp_path / "spiral.toml").write_text('rates = ["y1", "-5/4*y0 - 2*y1"]\nstart = [1, 0]\nend = 10')
+    asked = ("stability", str(tmp_path / "spiral.toml"), "--methods", "heun2,rk4", "--h", "1,1/2")
+    out = answer(*asked)
+    assert "yes       0.375000  error 0.000169" in out
+    known = reports.stiffest_factor
+    tie = lambda text: lambda: arb(text) + (arb(2).sqrt() ** 2 - 2)  # no precision makes the ball a point
+    monkeypatch.setattr(reports, "stiffest_factor", lambda found, h: tie(fmpq(910001, 2000000)))
+    assert "yes       0.4550005  error 0.000169" in answer(*asked)
+    monkeypatch.setattr(reports, "stiffest_factor", lambda found, h: tie(0) if h == 1 else known(found, h))
+    out = answer(*asked)
+    assert "heun2   1       10  yes       not decided  error 0.000169" in out
+    assert re.search(r"heun2 +0.5 +20 +yes +0\.60676\d +error", out)
 
 
 def test_a_run_that_ends_well_by_luck_does_not_follow(stability):

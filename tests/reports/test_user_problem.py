@@ -15,7 +15,7 @@ from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT
-from driftproof.numeric.reference_errors import decimal_energy
+from driftproof.numeric.reference_errors import decimal_energy, is_oscillator
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
 from driftproof.reports.scene_view import readout_rows
@@ -178,7 +178,9 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
 LINEAR = {
     "y1; -2*y0 - y1/10": [[0, 1], [-2, Fraction(-1, 10)]],
     "-(y0 + 2*y1)*3/7; -y1 + 1 - 1": [[Fraction(-3, 7), Fraction(-6, 7)], [0, -1]],
-    "-y0 + 1": None, "-y0*t": None, "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
+    "-y0 + 1": [[-1]], "y1; -y0 - y1/5 + 1": [[0, 1], [-1, Fraction(-1, 5)]], "0; 2 - y1": [[0, 0], [0, -1]],
+    "1": None, "y1; 1 - y1": None, "1; -y1": None, "-y0*t": None,
+    "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
     "y0": None, "y1; 0": None, "-y0*y0/y0": None,
 }  # fmt: skip
 
@@ -187,6 +189,22 @@ LINEAR = {
 def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
     wanted = LINEAR[rates]
     assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
+
+
+def test_affine_problem_has_the_proofs_of_its_linear_part_and_runs_of_its_own():
+    """A control loop to set point 1, and springs about 10^9/4; no phase is measured about c."""
+    loop = {"rates": ["y1", "-9*y0 - 3*y1 + 4*y2 + 8", "1 - y0"], "start": [0, 0, 0], "end": 10}
+    (found,) = stability(loop, ["rk4"])["methods"]
+    assert found["limit"]["decimal"].startswith("0.95544134673006630535991")
+    assert float(found["seen"]["bounded"]) == pytest.approx(0.9554413467300663, rel=1e-12)
+    assert [run["lost"] for run in found["runs"]] == [True, False, False]
+    springs = {"start": [0, 0], "end": 10}
+    moved, still = (springs | {"rates": ["y1", rate]} for rate in ("10^9 - 4*y0", "-4*y0"))
+    pairs = [stability(each, ["rk4", "velocity_verlet", "implicit_midpoint"])["methods"] for each in (moved, still)]
+    for a, b in exactly(3, zip(*pairs, strict=True)):
+        assert [a[key] for key in ("limit", "attained", "seen")] == [b[key] for key in ("limit", "attained", "seen")]
+    oscillator = [is_oscillator(problem_given(springs | {"rates": ["y1", rate]})) for rate in ("1 - y0", "-y0")]
+    assert oscillator == [False, True]
 
 
 @pytest.mark.slow
@@ -207,6 +225,10 @@ REFUSED = {
     'rates = ["y0"]\nstart = [0]': "end is missing; write a number",
     'rates = ["y0"]\nstart = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write .*, such as 1\.4142135623730951$",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
+    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a rational number, such as "1/3" or 0\.1$',
+    'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
+    'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
+    'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
     f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
@@ -215,7 +237,7 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
     (tmp_path / "mine.toml").write_text(text)
-    with pytest.raises(ValueError, match=REFUSED[text]) as caught:
+    with pytest.raises((ValueError, Refused), match=REFUSED[text]) as caught:
         problem_given(str(tmp_path / "mine.toml"))
     assert "\n" not in str(caught.value)
 
@@ -224,6 +246,49 @@ def test_pole_before_the_end_is_refused(tmp_path):
     (tmp_path / "mine.toml").write_text('rates = ["1 + y0^2"]\nstart = [0]\nend = 2\n')
     with pytest.raises(Refused, match=r"f or the solution has a pole, or f is not smooth, near t = 1\.57"):
         problem_given(str(tmp_path / "mine.toml"))
+
+
+@pytest.mark.parametrize(
+    ("energy", "change"),
+    [
+        *(("y0^2", "-0.7080734183 at t = 1"), ("y0^2 + y1^2*(1 + 1/10^9)", r"7\.08\d+e-10 at t = 1")),
+        *(("y0^2 + y1^2 + 1/(y0 - 1)", None), ("log(y1) + y0^2", None), ("9.81*y0^2 + 9.81*y1^2", None)),
+    ],
+)
+def test_an_energy_that_f_does_not_conserve_is_refused(energy, change):
+    """One of q'' = -q that is wrong, or nearly right; one without a value at the start is believed."""
+    own = {"rates": ["y1", "-y0"], "start": [1, 0], "end": 10, "energy": energy}
+    if change is None:
+        assert problem_given(own).energy is not None
+    else:
+        with pytest.raises(ValueError, match=f"energy is not conserved by f: the solution has changed it by {change}"):
+            problem_given(own)
+
+
+def test_parameters_are_replaced_by_name(tmp_path, answer, refusal):
+    path = tmp_path / "mine.toml"
+    path.write_text(WRITTEN)
+    moon = problem_given(str(path), {"g": "1.62"})
+    assert moon.field.parameters == (("g", Fraction("1.62")),)
+    assert moon.title == "A pendulum of 1 m with g = 1.62"
+    assert problem_given(str(path)).field.parameters == (("g", Fraction("9.81")),)
+    spring = {"function": lambda t, y, k=1.0: [y[1], -k * y[0]], "start": [1, 0], "end": 1}
+    assert problem_given(spring, [("k", 4)]).field != problem_given(spring).field
+    out = answer("stability", str(path), "--methods", "rk4", "--parameters", "g=1.62")
+    assert out.startswith("A pendulum of 1 m with g = 1.62\n")
+    for given, words in [(str(path), "unknown parameter 'k'; choose from g"), ("pendulum", "has none to change")]:
+        with pytest.raises(ValueError, match=words):
+            problem_given(given, {"k": 2})
+    assert "'g' is not NAME=VALUE, such as mu=5" in refusal("stability", str(path), "--parameters", "g")
+
+
+def test_doubles_of_a_function_conserve_the_energy_that_is_written_exactly():
+    """9.81 is a double in f and 981/100 in the energy, which changes by 3e-17 of it; with 9.82 it is refused."""
+    swing = lambda t, y: [y[1], -9.81 * math.sin(y[0])]
+    own = {"function": swing, "start": [1, 0], "end": 5, "energy": "y1^2/2 - 9.81*cos(y0) + 0*tan(y0)"}
+    assert problem_given(own).energy is not None
+    with pytest.raises(ValueError, match="not conserved"):
+        problem_given(own | {"energy": "y1^2/2 - 9.82*cos(y0)"})
 
 
 def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
@@ -243,3 +308,24 @@ def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
     assert ended == pytest.approx((-1, 0), abs=1e-5)  # (2 pi)^5 h^4 t / 120 is 1e-7 a component
     assert "x′ = v" in report(problem, methods=[made]).html
     assert readout_rows({"final_state": (1.0, 0.5)}, problem) == [["Numerical (x, v)", "(1.00000, 0.500000)"]]
+
+
+def test_doubles_of_a_function_stand_on_the_page_as_they_were_written_and_long_rates_are_cut():
+    neuron = lambda t, y: [y[0] - y[0] ** 3 / 3 - y[1] + 0.3125, (y[0] + 0.7 - 0.5 * y[1]) / 12.5]
+    own = {
+        "function": neuron,
+        "start": [-1, 1],
+        "end": 1,
+        "title": "A neuron with a title that is long enough for a page",
+    }
+    page = report(own, methods=["forward_euler", "symplectic_euler"]).html
+    assert "double_0 = 5/16" in page
+    assert " = 0.7" in page
+    assert "3152519739159347" not in page
+    (refused,) = stability(own, ["symplectic_euler"])["methods"]
+    assert len(refused["refused"]) < 150
+    kinked = {"function": lambda t, y: [np.clip(-y[0], -1, 1)], "start": [0], "end": 1}
+    with pytest.raises(
+        Refused, match=r"f compares numbers, as abs, clip or an if do; a problem needs formulas, certify t"
+    ):
+        problem_given(kinked)

@@ -4,7 +4,7 @@ import os
 import re
 import sys
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 
 import pytest
 from tqdm import tqdm
@@ -44,6 +44,23 @@ def test_the_tutorial_quotes_the_line():
     page = Path(__file__).parents[2] / "docs" / "tutorials" / "engineer.md"
     (quoted,) = re.findall(r"`(.*: working, .*?)`", page.read_text(encoding="utf-8"))
     assert quoted.replace("3 s", "0 s") == LINE
+
+
+def test_elsewhere_than_on_a_terminal_a_command_says_one_line_and_a_function_none(tmp_path, monkeypatch):
+    """A pipe's reader sees what is done; a function in a script, or output that a test captures, stays silent."""
+    monkeypatch.setattr(progress, "SILENCE", 0.01)
+    monkeypatch.setattr(progress, "_STAGES", [progress.Stage("errors of rk4")])
+    said = []
+    for plain, own, quiet in ((True, True, set()), (False, True, set()), (True, False, set()), (True, True, {"CI"})):
+        monkeypatch.setattr(progress, "QUIET", quiet)
+        monkeypatch.setenv("CI", "1")
+        with (tmp_path / "errors").open("w") as file, monkeypatch.context() as patched:
+            patched.setattr(sys, "stderr", file)
+            patched.setattr(sys, "__stderr__", file if own else None)
+            with progress.working("driftproof report", plain=plain), progress.working("a problem"):
+                sleep(0.1)
+        said.append((tmp_path / "errors").read_text())
+    assert said == ["driftproof report: errors of rk4\n", "", "", ""]
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):

@@ -67,8 +67,8 @@ class Problem:
 
     `energy` is an expression in y0, y1, ... that the exact solution conserves, or None. `second_order`: the first half
     of y are positions, and their rates are exactly the second half, so that splittings and Nyström methods apply.
-    `matrix` is A if f(t, y) = Ay, in which case stability is proved, and else None. `expected` maps a kind of method
-    ("explicit", "a_stable", ...) to a sentence on how it should behave. `unknowns` are names for y0, y1, ..., if given.
+    `matrix` is A if f(t, y) = A(y - c), in which case stability is proved, and else None. `expected` maps a kind of
+    method ("explicit", "a_stable", ...) to a sentence on how it should behave. `unknowns` are names for y0, y1, ...
     """
 
     key: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from functools import partial
 
 from driftproof.methods.catalogue import Entry
@@ -78,10 +79,17 @@ def _setting(problem: Problem) -> str:
     written = field.at(dict(zip(field.components, names, strict=True)))
     rates = [f"{y}′ = {rate}" for y, rate in zip(names, written, strict=True)]
     start = [f"{y}(0) = {x}" for y, x in zip(names, problem.start, strict=True)]
-    parameters = [f"{name} = {value}" for name, value in field.parameters if name != "pi"]
+    parameters = [f"{name} = {_short(value)}" for name, value in field.parameters if name != "pi"]
     equations = ", ".join([*rates, *start, *parameters])
     shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []
     return "; ".join([*shown, f"to t = {problem.t}", *([problem.source] if problem.source != problem.title else [])])
+
+
+def _short(value: object) -> str:
+    """The number; the shortest decimal of a double, such as 0.7 in a Python function, instead of a fraction."""
+    if isinstance(value, Fraction) and len(str(value)) > len(repr(float(value))) and Fraction(float(value)) == value:
+        return repr(float(value))
+    return str(value)
 
 
 def _steps(problem: Problem, method: Entry) -> str:

@@ -10,9 +10,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
-from driftproof.numeric.reference_errors import QUANTITIES, floors, half_unit
+from driftproof.numeric.reference_errors import QUANTITIES, STATE, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
@@ -22,6 +22,8 @@ from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
+# Characters of a step size that is shown as a fraction.
+_LONGEST_STEP = 12
 _Key = TypeVar("_Key")
 _Member = TypeVar("_Member")
 # The points by kind of cost and by curve.
@@ -51,8 +53,38 @@ def errors_json(study: Study, measured: Measured) -> Json:
             "floors": floors(problem),
             "curves": [_curve_json(curve) for curve in measured.curves.values()],
             "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
+            **({} if study.error is None else {"least_work": _least_work_json(study.error, measured)}),
         }
     )
+
+
+def _least_work_json(goal: float, measured: Measured) -> Json:
+    found = {which: least_work(measured, goal, which) for which in Size._fields}
+    shown = {which: found and {"curve": found[0].key, **vars(found[1])} for which, found in found.items()}
+    return {"goal": goal, **shown}
+
+
+def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Point] | None:
+    """The point with the fewest evaluations whose error, `which` is "final" or "largest", is at most `goal`."""
+    met = [
+        (curve, point)
+        for curve in measured.curves.values()
+        for point in curve.points
+        if point.evaluations and point.error < point.scale and getattr(point.errors[STATE], which) <= goal
+    ]
+    return min(met, key=lambda each: each[1].evaluations or 0, default=None)
+
+
+def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
+    """The method with its step size or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ..."."""
+    if found is None:
+        return "none of these runs"
+    curve, point = found
+    how = f"tolerance {point.setting}"
+    if point.steps:
+        h = study.problem.t / point.steps
+        how = f"h = {h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)}, N = {point.steps}"
+    return f"{curve.key} with {how}: {point.evaluations} evaluations"
 
 
 def _curve_json(curve: Curve) -> Json:
@@ -130,14 +162,22 @@ def study_text(study: Study, measured: Measured) -> str:
     from driftproof.symbolic.facts import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
+    goals = GOALS if study.error is None else [study.error]
     parts = [_head(study), table(order_rows(measured, study.problem.stiff, stated_orders(study.methods)), right=(1,))]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
         title = "Dominated: for each of its points, another method has no larger error and no larger cost"
         parts.append(f"{title}\n\n{table(dominated)}")
-    for goal in GOALS:
-        title = f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* the least)"
-        parts.append(f"{title}\n\n{table(goal_rows(measured, by_cost, goal))}")
+    for goal in goals:
+        title = f"Least work for an error at the end of at most {goal_text(goal)} (* the least)"
+        largest = _work_text(study, least_work(measured, goal, "largest"))
+        told = f"By the largest error at the reference's times: {largest}"
+        parts.append(f"{title}\n\n{table(goal_rows(measured, by_cost, goal))}\n\n{told}")
+    if any("not reached by N" in part for part in parts):
+        parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {MOST_IMPLICIT}, at most")
+    if study.error is not None:
+        best = _work_text(study, least_work(measured, study.error, "final"))
+        parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}")
     return "\n\n".join([*parts, "\n".join(_remarks(study, measured))])
 
 
@@ -187,9 +227,24 @@ def goal_rows(measured: Measured, by_cost: _Costs, goal: float) -> list[list[str
 def _goal_cell(curve: Curve, cost: str, found: Mapping[str, Priced | None], goal: float) -> str:
     point = found[curve.key]
     if point is None:
-        return "over the limit" if min(p.error for p in curve.points) <= goal else f"not met: {_least_error(curve)}"
+        if min(p.error for p in curve.points) <= goal:
+            return "over the limit"
+        longest = _longest_before_the_floor(curve)
+        return f"{f'not reached by N = {longest}' if longest else 'not met'}: {_least_error(curve)}"
     shown = f"{point.cost:.0f}" if cost == EVALUATIONS else seconds_text(point.cost)
     return shown + (" *" if point.cost == min(p.cost for p in found.values() if p) else "")
+
+
+def goal_text(goal: float) -> str:
+    """The error as in 1e-3 or 2.5e-8."""
+    mantissa, _, exponent = f"{goal:e}".partition("e")
+    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+
+
+def _longest_before_the_floor(curve: Curve) -> int | None:
+    """The steps of the longest run if more steps were not tried though its error is not at its floor, else None."""
+    finite = [point for point in curve.points if isfinite(point.error)]
+    return finite[-1].steps if finite and finite[-1].error > finite[-1].doubt else None
 
 
 def _least_error(curve: Curve) -> str:

@@ -81,12 +81,13 @@ def per_state(kind: str, seconds: float) -> float:
 
 @dataclass(frozen=True)
 class Study:
-    """The question: the methods and peers, the problem, and for how many seconds a point may be timed."""
+    """The question: the methods and peers, the problem, for how many seconds a point may be timed, the error wanted."""
 
     problem: Problem
     methods: Sequence[Entry]
     peers: Sequence[Peer]
     limit: float
+    error: float | None = None
 
     def question(self) -> dict[str, Any]:
         """All that the answers depend on, as JSON; points that answer another question are not reused."""

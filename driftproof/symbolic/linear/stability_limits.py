@@ -174,15 +174,15 @@ def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> CertifiableReal:
     trace, area = (exact(scalar(x)) for x in (qq + vv, qq * vv - qv * vq))
     discriminant = exact(scalar(trace * trace - 4 * area))
     if sign(scalar(discriminant)) == -1:
-        return _root(area)
-    root, trace = _root(discriminant), max(trace, -trace)
+        return nonnegative_root(area)
+    root, trace = nonnegative_root(discriminant), max(trace, -trace)
     if isinstance(trace, Fraction) and isinstance(root, Fraction):
         return (trace + root) / 2
     return lambda: (enclose(trace) + enclose(root)) / 2
 
 
-def _root(x: Fraction | Algebraic) -> CertifiableReal:
-    """The square root of x >= 0."""
+def nonnegative_root(x: Fraction | Algebraic) -> CertifiableReal:
+    """The square root of x >= 0; a Fraction if found to be rational."""
     if isinstance(x, Fraction):
         root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
         if root * root == x:

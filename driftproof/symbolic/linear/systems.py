@@ -7,15 +7,25 @@ from fractions import Fraction
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from flint import acb, arb, fmpq
+from flint import acb, arb, fmpq, fmpq_poly
 
-from driftproof.methods.number_field import as_fmpq
+from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
-from driftproof.symbolic.algebra.polynomials import ONE, at_complex_ball, descend, exact, quotient, scalar
+from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    Polynomial,
+    at_complex_ball,
+    deflate,
+    descend,
+    evaluate,
+    exact,
+    quotient,
+    scalar,
+)
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
 from driftproof.symbolic.linear.facts import require_known
 from driftproof.symbolic.linear.oscillator import (
@@ -31,6 +41,7 @@ from driftproof.symbolic.linear.ray_bounds import (
     UndecidedLimitError,
     at_rest,
     margin_sign,
+    modulus_squared_along,
     pair_bound,
     ray_bound,
     ray_conditions,
@@ -42,6 +53,7 @@ from driftproof.symbolic.linear.stability_limits import (
     bounded_limit,
     common_denominator,
     is_bounded,
+    nonnegative_root,
     smallest,
     spectral_radius,
 )
@@ -267,17 +279,36 @@ def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> Certif
 
 
 def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
-    place = eigenvalue.place
+    place, over_q = eigenvalue.place, isinstance(r.num, fmpq_poly) and isinstance(r.den, fmpq_poly)
     if isinstance(place, RealRoot) and place.rational is not None:
         value = exact(r(scalar(h * place.rational)))
         if isinstance(value, Fraction):
             return abs(value)
+    elif not isinstance(place, RealRoot) and len(place.minimal) == 3:
+        return nonnegative_root(_squared_size(r, place.minimal, h))
+    elif over_q and (rational := _rational_value(r, fmpq_poly(list(place.minimal)), as_fmpq(h))) is not None:
+        return abs(rational)
 
     def ball() -> arb:
         z = _ball(eigenvalue) * as_fmpq(h)
         return abs(at_complex_ball(r.num, z) / at_complex_ball(r.den, z))
 
     return ball
+
+
+def _squared_size(r: RationalFunction, minimal: Minimal, h: Fraction) -> Exact:
+    """|R(hλ)|² for a conjugate pair of degree 2, whose sum and product are rational."""
+    c, b, a = minimal
+    num, den = (evaluate(modulus_squared_along(p, fmpq(-b, a), fmpq(c, a)), scalar(h)) for p in (r.num, r.den))
+    return exact(num / den)
+
+
+def _rational_value(r: RationalFunction, minimal: Polynomial, h: fmpq) -> Fraction | None:
+    """R(hλ) if it is rational, else None, from num/den modulo the minimal polynomial of λ; R over Q."""
+    num, den = (p(fmpq_poly([0, h])) % minimal for p in (r.num, r.den))
+    common, inverse, _ = den.xgcd(minimal)
+    value = num * inverse % minimal
+    return as_fraction(value[0]) if common == 1 and value.degree() < 1 else None
 
 
 def _block(method: Method, place: RootPlace) -> StepMatrix:
@@ -292,6 +323,8 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
     if isinstance(size, RealRoot) and size.rational is not None:
         x = scalar(abs(h * size.rational))
         return spectral_radius([exact(entry(x)) for row in matrix for entry in row])
+    if isinstance(place, Imaginary) and len(place.minimal) == 3:
+        return spectral_radius(_similar(matrix, h * h * Fraction(place.minimal[0], place.minimal[2])))
 
     def ball() -> arb:
         y = (_ball(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(_ball(eigenvalue)))) * as_fmpq(h)
@@ -301,6 +334,14 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return abs(half + root).max(abs(half - root))
 
     return ball
+
+
+def _similar(matrix: StepMatrix, square: Fraction) -> list[Exact]:
+    """The entries of diag(1, y) M(y) diag(1, 1/y) for y² = `square`: those of M off the diagonal are odd in y."""
+    x, found = scalar(square), []
+    for entry, odd in zip([*matrix[0], *matrix[1]], (0, 1, 1, 0), strict=True):
+        found.append(evaluate(deflate(entry.num.left_shift(odd)), x) / evaluate(deflate(entry.den), x))
+    return [exact(value) for value in (found[0], found[1] / x, *found[2:])]
 
 
 def _ball(eigenvalue: Eigenvalue) -> acb:

@@ -33,7 +33,7 @@ def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply():
     assert shown.partition(" (dahlquist_1)\n")[1]
     assert "velocity_verlet: does not apply: " in shown
     assert "ark324: does not apply: ark324 is an IMEX method" in shown
-    assert "Least work for an error of at most 1e-6 (* the least)" in shown
+    assert "Least work for an error at the end of at most 1e-6 (* the least)" in shown
     assert "no times (compiled) for rk4: numba is not installed" in shown
     assert [len(re.findall(f"(?m)^{line}", shown)) for line in ("-:", "Evaluations ", "lost")] == [1, 1, 0]
     assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
@@ -53,6 +53,41 @@ def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing():
     assert dominators(cost["evaluations"]) == {"a": ["b"]}
     met = [row[1] for row in report.goal_rows(measured, cost, 1e-3)[1:]]
     assert met == ["not met: 0.1", "not met: 0.01", "not met: lost"]
+
+
+def three_curves():
+    """One whose end is luckier than its way, one that is as good all the way, and one that was not run further."""
+
+    def curve(key, *points, doubt=0.0):
+        made = [Point(str(n), n, {"state": Size(*e)}, doubt=doubt, scale=1.0, steps=n) for n, *e in points]
+        return Curve(key, key, 1, made)
+
+    lucky, steady = curve("lucky", (8, 1e-2, 1e-1), (16, 1e-4, 1e-2)), curve("steady", (20, 1e-4, 1e-4))
+    floor = curve("floor", (8, 1e-3, 1e-3), (16, 1e-3, 1e-3), doubt=2e-3)
+    return Measured({each.key: each for each in (lucky, steady, floor)})
+
+
+def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_the_end():
+    asked = replace(study("rk4"), error=2.5e-4)
+    shown = report.study_text(asked, three_curves())
+    first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n\n"
+    assert shown.startswith(first)
+    assert "\n\nBy the largest error at the reference's times: steady with h = 1/2, N = 20: 20 evaluations\n" in shown
+    assert shown.count("Least work for an error at the end of at most") == 1
+    found = report.errors_json(asked, three_curves())["least_work"]
+    assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")
+    none = report.study_text(replace(asked, error=1e-9), three_curves())
+    assert none.startswith("For an error of at most 1e-9 at the end, none of these runs\n\n")
+
+
+def test_what_was_not_tried_is_not_said_to_be_not_met():
+    measured = three_curves()
+    cost = {"evaluations": report.priced(measured, "evaluations")}
+    met = [row[1] for row in report.goal_rows(measured, cost, 1e-6)[1:]]
+    assert met == ["not reached by N = 16: 1.0e-4", "not reached by N = 20: 1.0e-4", "not met: 0.001"]
+    shown = report.study_text(study("rk4"), measured)
+    assert "Longer runs than those are not made: 1048576 steps, of implicit methods 1024, at most" in shown
+    assert "Longer runs" not in report.study_text(replace(study("rk4"), error=2e-4), measured)
 
 
 ERRORS = {0.0: "0", 0.001: "0.001", 99.4: "99", 100.0: "1.0e2", 0.00099: "9.9e-4", 1e-12: "1.0e-12"}
@@ -78,7 +113,10 @@ def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_
     over = ["over the limit", "over the limit", "-"]
     assert found == [["3.00 ms", "2.00 ms *", "-"], over, over]
     counted = {"evaluations": report.priced(measured, "evaluations")}
-    assert [report.goal_rows(measured, counted, goal)[1][1] for goal in (1e-3, 1e-6)] == ["16 *", "not met: 1.0e-5"]
+    assert [report.goal_rows(measured, counted, goal)[1][1] for goal in (1e-3, 1e-6)] == [
+        "16 *",
+        "not reached by N = 16: 1.0e-5",
+    ]
 
 
 def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last():

@@ -326,6 +326,23 @@ def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
     assert float(turning) == pytest.approx(sqrt(1 / 2))
 
 
+@pytest.mark.parametrize(
+    ("key", "text", "h", "factor"),
+    [
+        *(("heun2", "0 1; -5/4 -2", Q(1), Q(3, 8)), ("heun2", "0 1; -2 -4", Q(1, 2), Q(3, 4))),
+        *(("heun2", "0 1; -2 -2", Q(1), Q(0)), ("kutta3", "0 1 0; 0 0 1; -3 -6 -3", Q(1), Q(1, 2))),
+        ("velocity_verlet", "0 1; -2 0", Q(3, 2), Q(2)),
+    ],
+)
+def test_factors_that_are_rational_are_fractions_at_irrational_and_complex_eigenvalues(key, text, h, factor) -> None:
+    """(1 - w²)/2 at -1 ± wi, 3/4 at both of -2 ± √2, 0, 1/2 at three roots of a cubic; 2 beside 1/2 at ±√2 i."""
+    found = facts(key, text)
+    assert [factor_at(found, limit.eigenvalue, h) for limit in found.bounds] == [factor] * len(found.bounds)
+    near = factor_at(found, found.bounds[0].eigenvalue, h + Q(1, 7))
+    assert callable(near)
+    assert abs(enclose(near) - fmpq(*factor.as_integer_ratio())) > 2**-9
+
+
 def test_what_is_not_decided_is_refused() -> None:
     with pytest.raises(UndecidedLimitError, match="only simple"):
         bounded_at(facts("symplectic_euler", STUCK), Q(1, 2))
