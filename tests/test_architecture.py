@@ -81,12 +81,13 @@ NOT_ELSEWHERE = "sympy"
 # What five strangers found wrong or missing: columns of a file by their names, 90, and messages with the names of f in
 # enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
+# What an author of methods found: dense outputs that evaluate slopes anew, 40.
 BUDGETS = {
     "support": 1267,
     "methods": 5347,
     "symbolic": 10147,
     "numeric": 3933,
-    "blackbox": 20043,
+    "blackbox": 20083,
     "enclosure": 3458,
     "texts": 8600,
 }
