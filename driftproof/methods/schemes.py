@@ -44,18 +44,19 @@ class Definition:
 
 @dataclass(frozen=True)
 class _OverOneField(Definition):
-    """A method whose coefficients, which `_coefficients` lists, are exact and lie in one number field."""
+    """A method whose coefficients, which `coefficients` lists, are exact and lie in one number field."""
 
     @cached_property
     def field(self) -> NumberField | None:
         """The number field of the coefficients; None if all are rational."""
-        return next((x.field for x in self._coefficients() if isinstance(x, Algebraic)), None)
+        return next((x.field for x in self.coefficients() if isinstance(x, Algebraic)), None)
 
-    def _coefficients(self) -> Iterable[Exact]:
+    def coefficients(self) -> Iterable[Exact]:
+        """All coefficients."""
         raise NotImplementedError
 
     def _require_one_field(self) -> None:
-        for x in self._coefficients():
+        for x in self.coefficients():
             if isinstance(x, Algebraic) and self.field and x.field != self.field:
                 names = f"{x.field.name} and {self.field.name}"
                 raise MethodError(f"{self.key}: coefficients lie in the fields of {names}; write them in one field")
@@ -120,7 +121,8 @@ class Staged(_OverOneField):
             yield from ((f"{name}[{i}]", len(row)) for i, row in enumerate(matrix))
         yield from ((name, len(getattr(self, name))) for name in self.rows if getattr(self, name) is not None)
 
-    def _coefficients(self) -> Iterable[Exact]:
+    def coefficients(self) -> Iterable[Exact]:
+        """Yield the entries of the matrices, then those of the rows."""
         for name in self.matrices:
             yield from (x for row in getattr(self, name) for x in row)
         for name in self.rows:
@@ -209,7 +211,8 @@ class Splitting(_OverOneField):
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
         self._require_one_field()
 
-    def _coefficients(self) -> Iterable[Exact]:
+    def coefficients(self) -> Iterable[Exact]:
+        """The coefficients of the kicks and drifts, in their order."""
         return (c for _, c in self.parts)
 
     def inconsistencies(self) -> dict[str, Exact]:

@@ -17,13 +17,13 @@ from driftproof.methods.tableau_file import subject_of
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
 from driftproof.symbolic.facts import (
-    BUT_FOR_ROUNDING,
     FACTS,
     ON_REQUEST,
     Facts,
     OrderWithin,
     Reduction,
     facts_only,
+    hidden_by_rounding,
     order_within,
 )
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
@@ -96,9 +96,7 @@ class MethodFacts(FactSheet, Facts):
 
     def _by_name(self, names: Sequence[str]) -> dict[str, Any]:
         """The named facts, and what else they need: `reduction`, and what the rounding of the coefficients hides."""
-        hidden = {more: getattr(self, more) for more, of in BUT_FOR_ROUNDING.items() if {*of} & {*names}}
-        found = facts_by_name(self, names or FACTS, (*FACTS, *ON_REQUEST))
-        found |= {name: value for name, value in hidden.items() if value is not None}
+        found = facts_by_name(self, names or FACTS, (*FACTS, *ON_REQUEST)) | hidden_by_rounding(self, names)
         if names and "reduction" not in names and self.reduction is not None:
             stages, *named = self.reduction
             table, irreducible = (tuple(name for name in known if name in found) for known in named)

@@ -17,7 +17,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
-from driftproof.symbolic.linear.printed_digits import rounding
+from driftproof.symbolic.linear.printed_digits import JUMP, RoundedOrder, rounding
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -25,7 +25,7 @@ from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER, Conditions, OrderFact
-from driftproof.symbolic.trees.order_in_balls import JUMP, RoundedOrder, order_but_for_rounding
+from driftproof.symbolic.trees.order_in_balls import rounded_order
 from driftproof.symbolic.trees.partitioned_trees import general_conditions
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
@@ -105,7 +105,7 @@ class Facts(LinearFacts):
         method, claimed = self.method, self.method.claimed_order
         if isinstance(method, Collocation) or method.field or (claimed and self.order == claimed):
             return None
-        return order_but_for_rounding(method, TOLERANCE_ORDER)
+        return rounded_order(lambda by: general_conditions(method, by), method.coefficients(), TOLERANCE_ORDER)
 
     @property
     def _rounded(self) -> bool:
@@ -120,7 +120,7 @@ class Facts(LinearFacts):
             return False
         residual = self.order_fails.residual
         assert isinstance(residual, Fraction)
-        return 0 < abs(residual) <= JUMP * rounding(method) < Fraction(1, JUMP**2)
+        return 0 < abs(residual) <= JUMP * rounding(method.coefficients()) < Fraction(1, JUMP**2)
 
     @cached_property
     def order_second_order_problems(self) -> int | None:
@@ -197,6 +197,14 @@ BUT_FOR_ROUNDING = {
     "order_but_for_rounding": ("order", "embedded_order"),
     "stability_within_digits": ("i_stable", "a_stable", "a_stability", "l_stable", "limit_at_infinity", "sector"),
 }
+
+
+def hidden_by_rounding(facts: Any, names: Sequence[str]) -> dict[str, Any]:
+    """What holds but for the rounding of the coefficients, as far as it concerns the named facts."""
+    hidden = {more: getattr(facts, more, None) for more, of in BUT_FOR_ROUNDING.items() if {*of} & {*names}}
+    return {name: value for name, value in hidden.items() if value is not None}
+
+
 # Why a method may not have a fact.
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
@@ -233,7 +241,7 @@ def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction
     facts = make(method)
     if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
-    found = facts_by_name(facts, names or known, (*known, *on_request))
+    found = facts_by_name(facts, names or known, (*known, *on_request)) | hidden_by_rounding(facts, names)
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):
             raise ValueError(f"{method.key} is {method.kind}: its order is exact and takes no tolerance")

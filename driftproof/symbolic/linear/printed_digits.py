@@ -1,7 +1,8 @@
-"""I-, A- and L-stability of a table of rounded coefficients, as far as its printed digits decide them."""
+"""The order and the stability of a table of rounded coefficients, as far as its printed digits decide them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -18,6 +19,44 @@ from driftproof.symbolic.linear.stability_function import stability_function
 SIZE_DIGITS = 3
 # Bits of precision in addition to those of the digits, so that the width of the balls comes from the radii alone.
 SPARE_BITS = 64
+
+# Residuals that come from rounding all coefficients to the same digits are within a factor of 1000 of each other; with
+# coefficients of four digits or more, the first condition that fails by itself is larger by at least as much again.
+JUMP = 1000
+# What the digits may hide counts tenfold: the last ones that are printed are not always rounded correctly.
+MARGIN = 10
+# Digits of a residual in text, where only its magnitude matters.
+RESIDUAL_DIGITS = 3
+
+
+class RoundedOrder(NamedTuple):
+    """The order apart from rounding, the largest residual up to that order, and the largest one order higher.
+
+    Both have three digits. `residual` is rounded up, so that no condition up to the order misses by more.
+    """
+
+    order: int
+    residual: str
+    next_residual: str
+
+
+def order_by_jump(residuals: Iterable[arb], hidden: Callable[[int], arb]) -> RoundedOrder | None:
+    """The order p but for rounded coefficients: residuals up to p are far smaller than the largest of order p + 1.
+
+    Residuals due to rounding have similar sizes in every order; the first that is more than `JUMP` times as large as
+    all before it is the method's own, unless it is one that the rounding of the coefficients, which may have unequal
+    numbers of digits, explains: not more than `MARGIN` times `hidden` of its order. `residuals` are the largest ones of
+    the orders 1, 2, ...; None if none jumps, or if rounding makes no condition fail.
+    """
+    largest = arb(0)
+    for n, found in enumerate(residuals, 1):
+        if largest > 0 and JUMP * largest < found and MARGIN * hidden(n) < found:
+            most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
+            return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
+        largest = max(largest, found)
+        if JUMP * largest >= 1:  # weights are about 1
+            return None
+    return None
 
 
 class StabilityWithinDigits(NamedTuple):
@@ -42,7 +81,7 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
     """
     if method.field or method.explicit:
         return None
-    exact, places = stability_function(method), _longest(method)
+    exact, places = stability_function(method), max(_digits(x) for row in (*method.a, method.b) for x in row)
     with ctx.workprec(4 * places + SPARE_BITS):
         size = range(method.stages)
         a, b = [[_ball(x, places) for x in row] for row in method.a], [_ball(x, places) for x in method.b]
@@ -65,14 +104,23 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
         )
 
 
-def rounding(method: RungeKutta) -> Fraction:
+def rounding(coefficients: Iterable[Exact]) -> Fraction:
     """The largest rounding, as in `stability_within_digits`, of a coefficient; they are rational."""
-    longest = _longest(method)
-    return max(_rounding(x, longest) for row in (*method.a, method.b) for x in row)
+    row = [*coefficients]
+    longest = max(map(_digits, row))
+    return max(_rounding(x, longest) for x in row)
 
 
-def _longest(method: RungeKutta) -> int:
-    return max(_digits(x) for row in (*method.a, method.b) for x in row)
+def decimal_roundings(coefficients: Iterable[Exact]) -> Callable[[Exact], Fraction]:
+    """How far a decimal may be from what it was rounded from: as far as any of these that are rounded.
+
+    These have at least half the digits of the longest. It is 0 for others, and for all beside long ratios.
+    """
+    row = [*coefficients]
+    longest = max(map(_digits, row))
+    rounded = [x for x in row if 2 * _digits(x) >= longest]
+    coarsest = Fraction(0) if None in map(_places, rounded) else max(_rounding(x, longest) for x in rounded)
+    return lambda x: coarsest if 2 * _digits(x) >= longest else Fraction(0)
 
 
 def _digits(x: Exact) -> int:
