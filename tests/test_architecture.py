@@ -86,11 +86,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1267,
     "methods": 5350,
-    "symbolic": 10207,
+    "symbolic": 10255,
     "numeric": 3933,
     "blackbox": 20083,
     "enclosure": 3458,
-    "texts": 8600,
+    "texts": 8611,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5624
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

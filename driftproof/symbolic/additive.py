@@ -92,6 +92,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     explicit_stability_function = fact_of_twin("_explicit", "stability_function")
     explicit_real_limit = fact_of_twin("_explicit", "real_limit")
     explicit_imaginary_limit = fact_of_twin("_explicit", "imaginary_limit")
+    explicit_imaginary_limit_within_digits = fact_of_twin("_explicit", "imaginary_limit_within_digits")
     implicit_stability_function = fact_of_twin("_implicit", "stability_function")
     implicit_a_stable = fact_of_twin("_implicit", "a_stable")
     implicit_l_stable = fact_of_twin("_implicit", "l_stable")

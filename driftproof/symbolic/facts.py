@@ -38,7 +38,7 @@ MODIFIED_ORDER = 5
 OF_THE_TABLE = (
     *("stages", "explicit", "field", "inconsistencies", "embedded_order", "estimate", "stage_order"),
     *("simplifying_assumptions", "algebraically_stable", "order_reduction"),
-    *("stiffly_accurate", "first_same_as_last", "stability_within_digits"),
+    *("stiffly_accurate", "first_same_as_last", "stability_within_digits", "imaginary_limit_within_digits"),
 )
 OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
 
@@ -195,6 +195,8 @@ FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(Facts), *_LINEAR)))
 # What holds but for the rounding of a table, and the facts that hold of the table as it is written.
 BUT_FOR_ROUNDING = {
     "order_but_for_rounding": ("order", "embedded_order"),
+    "imaginary_limit_within_digits": ("imaginary_limit",),
+    "explicit_imaginary_limit_within_digits": ("explicit_imaginary_limit",),
     "stability_within_digits": ("i_stable", "a_stable", "a_stability", "l_stable", "limit_at_infinity", "sector"),
 }
 
@@ -212,6 +214,7 @@ WHY_NONE = {
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "every stage counts: table and method have the same facts",
     "stability_within_digits": "the method is explicit, its residuals show no rounding, or R has no limit at infinity",
+    "imaginary_limit_within_digits": "the method is implicit, the limit is not 0, or it is so but for no rounding",
     "order_but_for_rounding": f"no residual up to {TOLERANCE_ORDER} vertices is far larger than all before it",
     "estimate": "the method is not an embedded pair",
     "continuous_extensions": "the catalogue has none for this method",
