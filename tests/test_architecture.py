@@ -81,18 +81,18 @@ NOT_ELSEWHERE = "sympy"
 # What five strangers found wrong or missing: columns of a file by their names, 90, and messages with the names of f in
 # enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
-# What an author of methods found: dense outputs that evaluate slopes anew, 40; digits of several lengths, of every
-# family, in symbolic.
+# What an author of methods found: dense outputs that evaluate slopes anew, 40; in symbolic digits of several lengths,
+# of every family, imaginary limits within digits and claimed orders that are not reached, 200; these in reports.
 BUDGETS = {
     "support": 1267,
-    "methods": 5350,
-    "symbolic": 10255,
+    "methods": 5354,
+    "symbolic": 10344,
     "numeric": 3933,
     "blackbox": 20083,
     "enclosure": 3458,
     "texts": 8611,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5624
+BUDGET_OF_REPORTS_AND_FRONT = 5658
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -53,6 +53,10 @@ class Multistep(Definition):
         """True if F is not evaluated at the new value."""
         return self.sigma[-1] == 0
 
+    def coefficients(self) -> tuple[Fraction, ...]:
+        """All coefficients: rho, then sigma."""
+        return *self.rho, *self.sigma
+
     def inconsistencies(self) -> dict[str, Exact]:
         """The nonzero residuals of the conditions of order 1: facts about the data, not errors."""
         at_one, slope, sigma = total(self.rho), total(j * x for j, x in enumerate(self.rho)), total(self.sigma)

@@ -66,9 +66,9 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method = self.method
-        if method.field or not method.decimal:
+        if method.field or method.claimed_order == self.order:
             return None
         rows = method.b_explicit, method.b_implicit
         return rounded_order(lambda by: self._conditions(*rows, by), method.coefficients(), MOST_VERTICES)

@@ -234,14 +234,19 @@ _FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[st
 OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FACTS_ONLY.values() for names in known for name in names))
 
 
+def derived(method: Entry) -> Any:
+    """The facts of the class for methods of this kind, such as `Facts`."""
+    return Facts(method) if isinstance(method, Method) else _FACTS_ONLY[type(method)][0](method)
+
+
 def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:
     """The named facts of a method that has facts only, by default all but those on request.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.
     """
-    make, known, on_request = _FACTS_ONLY[type(method)]
-    facts = make(method)
+    _, known, on_request = _FACTS_ONLY[type(method)]
+    facts = derived(method)
     if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
     found = facts_by_name(facts, names or known, (*known, *on_request)) | hidden_by_rounding(facts, names)

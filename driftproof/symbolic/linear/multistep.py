@@ -122,11 +122,11 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method = self.method
-        if not method.decimal:
+        if method.claimed_order == self.order:
             return None
-        off = decimal_roundings((*method.rho, *method.sigma))
+        off = decimal_roundings(method.coefficients())
         rho, sigma = [off(x) for x in method.rho], [-off(x) for x in method.sigma]  # so that nothing cancels
         sizes = (arb(as_fmpq(abs(self._residual(power)))) for power in range(2 * method.steps + 4))
         found = order_by_jump(sizes, lambda n: arb(as_fmpq(_residual(rho, sigma, method.derivative, n - 1))))
