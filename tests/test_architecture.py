@@ -85,12 +85,12 @@ NOT_ELSEWHERE = "sympy"
 # of every family, imaginary limits within digits and claimed orders that are not reached, 200; these in reports.
 BUDGETS = {
     "support": 1267,
-    "methods": 5359,
+    "methods": 5369,
     "symbolic": 10344,
     "numeric": 3933,
     "blackbox": 20085,
-    "enclosure": 3458,
-    "texts": 8611,
+    "enclosure": 3459,
+    "texts": 8612,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5658
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

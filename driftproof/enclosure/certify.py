@@ -180,7 +180,8 @@ def assert_accurate(
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     if within(found, tolerance):
-        words = f"is within {tolerance} of the true one through its first point, t = {found.t[0]:g} (proved)"
+        where = f"at each of its {len(found.t)} points"
+        words = f"is, {where}, within {tolerance} of the true one that starts at the first (proved)"
         assert_verdict(AssertedVerdict("the solution", words, True, found.text()), holds=True)
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"

@@ -37,7 +37,8 @@ class Multistep(Definition):
             raise MethodError(f"{self.key}: {sizes}; both need k + 1 entries for k >= 1 steps, zeros included")
         if self.rho[-1] == 0 or not any(self.sigma):
             what = "the last entry of rho" if self.rho[-1] == 0 else "sigma"
-            raise MethodError(f"{self.key}: {what} is 0, so the method does not define a new value from F")
+            turned = "; rho and sigma go from the oldest value to the new one" * (self.rho[-1] == 0)
+            raise MethodError(f"{self.key}: {what} is 0, so the method does not define a new value from F{turned}")
         if self.rho[0] == self.sigma[0] == 0:
             raise MethodError(f"{self.key}: rho and sigma both begin with 0; leave these entries out")
         if self.derivative not in (1, 2):
