@@ -65,6 +65,14 @@ def test_rounding_alone_breaks_no_claim(decimal):
     assert said(rounded(12, decimal=decimal, claimed_order=5)) == ["claimed order 5, has 4"]
 
 
+def test_a_table_of_four_digits_that_says_so_is_not_accused():
+    """Its residuals of 3e-5 do not jump to those of 8e-3; the twins say nothing of rounding, or miss by more."""
+    table = rounded(4, decimal=True)
+    assert said(table) == []
+    assert said(replace(table, decimal=False)) == ["claimed order 4, has 2"]
+    assert said(replace(table, b=(table.b[0] + Q(1, 5), *table.b[1:]))) == ["claimed order 4, has 0"]
+
+
 def test_a_mistake_in_the_middle_of_the_digits_is_no_rounding():
     """Residuals of 1e-6 would be a rounding of six digits; only a table that says that it is rounded may mean that."""
     table = rounded(12)
