@@ -9,7 +9,7 @@ PEERS := build/peers
 .PHONY: proofs kernel test slow lint thorough long mutants docs site bench clean
 
 proofs: .venv
-	$(BIN)/python -m pytest proofs
+	$(BIN)/python -m pytest -rs proofs
 
 # What Coq accepts of the ledger: minutes, and Coq with libraries from Debian's packages, which it names if they are missing.
 kernel: .venv

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 
 from driftproof.support.files import atomic_write
 from driftproof.support.progress import working
+from driftproof.texts.values.changes import changes
 from driftproof.texts.values.published import VALUES_FILE
 from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
@@ -74,6 +76,12 @@ def publish(request: pytest.FixtureRequest) -> Any:
     return lambda *value: request.node.user_properties.append((PUBLISHED, published(claim, evidence, *value)))
 
 
+@pytest.fixture
+def values_so_far(pytestconfig: pytest.Config) -> list[dict[str, Any]]:
+    """The values that this process has published until now."""
+    return pytestconfig.stash[_LEDGER].published
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
     """Show the seconds of a long proof at a terminal, after the dots of its file."""
@@ -135,8 +143,17 @@ def _publish(ledger: Ledger, exitstatus: int) -> str:
     """Write values.json and ledger.md if every proof passed; return one line that says what was done."""
     if exitstatus != 0 or not ledger.complete:
         return f"{VALUES_FILE.name} not written: only a whole run in which every proof passes may publish"
+    before = VALUES_FILE.read_text(encoding="utf-8") if VALUES_FILE.exists() else "{}"
     changed = [path.name for path, text in _files(ledger) if _write_if_changed(path, text)]
-    return f"wrote {' and '.join(changed)}" if changed else f"{VALUES_FILE.name} and {LEDGER_FILE.name} are up to date"
+    if not changed:
+        return f"{VALUES_FILE.name} and {LEDGER_FILE.name} are up to date"
+    return "\n".join([f"wrote {' and '.join(changed)}, which differed from what is proved", *_differences(before)])
+
+
+def _differences(before: str) -> list[str]:
+    """A line for each value that the file had otherwise, or had not, or that is gone."""
+    old, new = (json.loads(text).get("values", {}) for text in (before, VALUES_FILE.read_text(encoding="utf-8")))
+    return [f"  {change.id}: {change}" for change in changes({"values": old}, {"values": new})]
 
 
 def _files(ledger: Ledger) -> list[tuple[Path, str]]:

@@ -81,16 +81,18 @@ NOT_ELSEWHERE = "sympy"
 # What five strangers found wrong or missing: columns of a file by their names, 90, and messages with the names of f in
 # enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
+# What an author of methods found: dense outputs that evaluate slopes anew, 40; in symbolic digits of several lengths,
+# of every family, imaginary limits within digits and claimed orders that are not reached, 200; these in reports.
 BUDGETS = {
     "support": 1278,
-    "methods": 5376,
-    "symbolic": 10188,
+    "methods": 5400,
+    "symbolic": 10387,
     "numeric": 3962,
-    "blackbox": 20043,
-    "enclosure": 3583,
-    "texts": 8600,
+    "blackbox": 20490,
+    "enclosure": 3584,
+    "texts": 8768,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5814
+BUDGET_OF_REPORTS_AND_FRONT = 5850
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -172,7 +172,9 @@ class Refutation:
                     yield f"is not {key}: {agrees} {CALL_BEFORE}"
                 off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
                 as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
-                yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}"
+                still = next((x["words"] for x in self.instead.data.get("checks", ()) if x["key"] == "zero_step"), "")
+                sums = f"; {still}, as weights of states that do not sum to 1 do" if "except for" in still else ""
+                yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}{sums}"
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
             names = f"{', '.join(found.worst.wrong)} {'is' if len(found.worst.wrong) == 1 else 'are'}"

@@ -104,9 +104,9 @@ def diff_command(options: Namespace) -> str:
       driftproof diff old.json new.json
       driftproof diff old.json new.json --format github      annotations, for a continuous-integration run
 
-    old.json and new.json are outputs of `driftproof value --only '*'`, or of `driftproof facts`, `step` or `run` with
-    --format json. A number changed in value if its exact forms differ, or if its decimals cannot be roundings of the
-    same number; it changed only in digits if more or fewer are shown.
+    old.json and new.json are outputs of `driftproof value --only '*'`, or of `driftproof value`, `facts`, `step` or
+    `run` with --format json. A number changed in value if its exact forms differ, or if its decimals cannot be
+    roundings of the same number; it changed only in digits if more or fewer are shown.
     exit status: 0 if no value changed, 1 if one did, 2 if a file cannot be read.
     """
     from driftproof.texts.values.changes import diff

@@ -194,7 +194,8 @@ def assert_accurate(
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     beyond = [each for each in _with_tolerances(found, tolerance) if not within(*each[:2])]
     if not beyond:
-        words = f"is within {tolerance} of the true one through its first point, t = {found.t[0]:g} (proved)"
+        where = f"at each of its {len(found.t)} points"
+        words = f"is, {where}, within {tolerance} of the true one that starts at the first (proved)"
         assert_verdict(AssertedVerdict("the solution", words, True, found.text()), holds=True)
         return
     part, allowed, (i, j) = beyond[0]

@@ -157,7 +157,8 @@ class ExpressionParser:
                 continue
             match = pattern.match(text, at)
             if match is None:
-                raise self.refusal(self.text, at + 1, f"{text[at]!r} is not allowed in {self.what}")
+                instead = "; write sqrt(2) for a root" * (text[at] == "√")
+                raise self.refusal(self.text, at + 1, f"{text[at]!r} is not allowed in {self.what}{instead}")
             kind = str(match.lastgroup)
             found.append(Token(kind, match[kind], match.start(kind) + 1))
             at = match.end()

@@ -37,7 +37,8 @@ class Multistep(Definition):
             raise MethodError(f"{self.key}: {sizes}; both need k + 1 entries for k >= 1 steps, zeros included")
         if self.rho[-1] == 0 or not any(self.sigma):
             what = "the last entry of rho" if self.rho[-1] == 0 else "sigma"
-            raise MethodError(f"{self.key}: {what} is 0, so the method does not define a new value from F")
+            turned = "; rho and sigma go from the oldest value to the new one" * (self.rho[-1] == 0)
+            raise MethodError(f"{self.key}: {what} is 0, so the method does not define a new value from F{turned}")
         if self.rho[0] == self.sigma[0] == 0:
             raise MethodError(f"{self.key}: rho and sigma both begin with 0; leave these entries out")
         if self.derivative not in (1, 2):
@@ -52,6 +53,10 @@ class Multistep(Definition):
     def explicit(self) -> bool:
         """True if F is not evaluated at the new value."""
         return self.sigma[-1] == 0
+
+    def coefficients(self) -> tuple[Fraction, ...]:
+        """All coefficients: rho, then sigma."""
+        return *self.rho, *self.sigma
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The nonzero residuals of the conditions of order 1: facts about the data, not errors."""

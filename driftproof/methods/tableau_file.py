@@ -98,6 +98,11 @@ def read_method(path: str | Path) -> Method | Family | FactsOnly:
 
 # Common other names of `b_embedded`.
 _OF_PAIR = ("b_hat", "bhat", "b_star", "b_err", "b2", "b_tilde", "be")
+# For each family, keys as papers have them, and what to write.
+_OF_PAPERS = {
+    "splitting": ("a b c d", "write parts = [['kick', '1/2'], ['drift', 1], ...], the sub-steps in their order"),
+    "multistep": ("alpha beta a b", "alpha is rho, beta is sigma, both from the oldest value to the new one"),
+}
 
 
 def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
@@ -108,7 +113,10 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     meant = next((key for key in table if key in _OF_PAIR and "b_embedded" in entries), None)
     if meant is not None:
         raise MethodError(f"rename {quoted(meant)} to b_embedded, and give embedded_order with it")
-    require_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
+    theirs, instead = _OF_PAPERS.get(family, ("", ""))
+    what = f"{'an' if family == 'additive' else 'a'} {family}"
+    more = instead if {*theirs.split()} & {*table} else "`driftproof facts --help` shows one"
+    require_keys(table, (*_COMMON, *entries), what, more)
     common, read = _common(table, name), _reader(table)
     seen: list[Exact] = []
     field: NumberField | None = None

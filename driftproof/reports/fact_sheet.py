@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import Entry, FactsOnly
 from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rationals import ExactNumber, exact_number
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.tableau_file import subject_of
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
+from driftproof.symbolic.claimed_orders import unreached_orders
 from driftproof.symbolic.facts import (
-    BUT_FOR_ROUNDING,
     FACTS,
     ON_REQUEST,
     Facts,
     OrderWithin,
     Reduction,
     facts_only,
+    hidden_by_rounding,
     order_within,
 )
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
@@ -36,14 +38,38 @@ from driftproof.texts.writing.records import record
 # The matrix of a system z' = Az: its rows, or "0 1; -1 -1/10".
 GivenSystem: TypeAlias = str | Sequence[Sequence[ExactNumber]]
 _Derive: TypeAlias = Callable[[Sequence[str]], dict[str, Any]]
+# Where one of these is printed, the claims of orders are examined.
+_CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order")
 
 
 class FactSheet(Printable):
     """Facts by name, in brackets or as attributes, each derived when it is asked for; `only` names those printed."""
 
-    def __init__(self, derive: _Derive, only: Sequence[str], *, grouped: bool = True) -> None:
+    _tolerance: Fraction | None = None
+
+    def __init__(
+        self, derive: _Derive, only: Sequence[str], *, grouped: bool = True, claims_of: Entry | None = None
+    ) -> None:
         """Derive nothing yet. `grouped` is False for facts about something other than a method."""
         self._derive, self._only, self._grouped = derive, tuple(only), grouped and not only
+        self._claims_of = None if only and not {*only} & {*_CLAIMED} else claims_of
+
+    @cached_property
+    def unreached(self) -> tuple[str, ...]:
+        """The orders that are claimed and not reached, not even but for rounding, with what may be wrong, in lines.
+
+        It is empty if no order is among the facts that are printed.
+        """
+        lines: list[str] = []
+        for found in unreached_orders(self._claims_of, self._tolerance) if self._claims_of else ():
+            lines.append(str(found))
+            if isinstance(found.method, RungeKutta):
+                from driftproof.blackbox.matching.entries import restoring_entries
+
+                row = " b_embedded[" if found.embedded else " b["
+                entries = restoring_entries(found.method, found.method.claimed_order)
+                lines += [entry.replace(" b[", row) for entry in entries]
+        return tuple(lines)
 
     @cached_property
     def shown(self) -> dict[str, Any]:
@@ -69,15 +95,16 @@ class FactSheet(Printable):
     def data(self) -> dict[str, Json]:
         """The facts that are printed, as JSON: numbers are strings, a fact that there is not is None."""
         found: dict[str, Json] = record(self.shown)
-        return found
+        return found | ({"unreached": [*self.unreached]} if self.unreached else {})
 
     def written(self, form: str, everything: bool = False) -> str:
         """The facts as "text", "json" or "tex"; `everything` shows also those that groups of text leave out."""
         if form == "json":
             return as_json(self.data)
         if form == "tex":
-            return facts_tex(self.shown)
-        return grouped_facts_text(self.shown, everything) if self._grouped else facts_text(self.shown)
+            return "".join(f"% {line}\n" for line in self.unreached) + facts_tex(self.shown)
+        text = grouped_facts_text(self.shown, everything) if self._grouped else facts_text(self.shown)
+        return "\n".join([*self.unreached, *[""] * bool(self.unreached), text])
 
 
 class MethodFacts(FactSheet, Facts):
@@ -86,7 +113,7 @@ class MethodFacts(FactSheet, Facts):
     def __init__(self, method: Method, only: Sequence[str], tolerance: ExactNumber | None, terms: int) -> None:
         """Derive nothing yet; `terms` is the length of series."""
         Facts.__init__(self, method, terms)
-        FactSheet.__init__(self, self._by_name, only)
+        FactSheet.__init__(self, self._by_name, only, claims_of=method)
         self._tolerance = None if tolerance is None else exact_number(tolerance, "order tolerance")
 
     @cached_property
@@ -96,9 +123,7 @@ class MethodFacts(FactSheet, Facts):
 
     def _by_name(self, names: Sequence[str]) -> dict[str, Any]:
         """The named facts, and what else they need: `reduction`, and what the rounding of the coefficients hides."""
-        hidden = {more: getattr(self, more) for more, of in BUT_FOR_ROUNDING.items() if {*of} & {*names}}
-        found = facts_by_name(self, names or FACTS, (*FACTS, *ON_REQUEST))
-        found |= {name: value for name, value in hidden.items() if value is not None}
+        found = facts_by_name(self, names or FACTS, (*FACTS, *ON_REQUEST)) | hidden_by_rounding(self, names)
         if names and "reduction" not in names and self.reduction is not None:
             stages, *named = self.reduction
             table, irreducible = (tuple(name for name in known if name in found) for known in named)
@@ -166,7 +191,9 @@ def facts(
     if isinstance(subject, FactsOnly):
         if system:
             raise ValueError(f"{subject.key} is {subject.kind}; `system` does not work with it")
-        return FactSheet(lambda asked: facts_only(subject, asked, tolerance), names)
+        sheet = FactSheet(lambda asked: facts_only(subject, asked, tolerance), names, claims_of=subject)
+        sheet._tolerance = tolerance
+        return sheet
     if system is None:
         return MethodFacts(subject, names, tolerance, terms)
     if tolerance is not None:

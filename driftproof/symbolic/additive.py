@@ -10,11 +10,12 @@ from typing import NamedTuple
 from driftproof.methods.additive import Additive
 from driftproof.methods.number_field import Exact, total
 from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
+from driftproof.symbolic.linear.printed_digits import RoundedOrder
 from driftproof.symbolic.rosenbrock import MOST_VERTICES
-from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
+from driftproof.symbolic.trees.elementary_weights import EXACT, Scalars, TableauStages
 from driftproof.symbolic.trees.order_conditions import OrderFact, order, order_of, order_to_tolerance
 from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions as conditions_of_one
-from driftproof.symbolic.trees.order_in_balls import RoundedOrder, rounded_order
+from driftproof.symbolic.trees.order_in_balls import rounded_order
 from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
 from driftproof.symbolic.trees.rooted_trees import ColouredTree
 
@@ -65,8 +66,12 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
-        return rounded_order(self._both, MOST_VERTICES) if self.method.decimal else None
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
+        method = self.method
+        if method.field or method.claimed_order == self.order:
+            return None
+        rows = method.b_explicit, method.b_implicit
+        return rounded_order(lambda by: self._conditions(*rows, by), method.coefficients(), MOST_VERTICES)
 
     @cached_property
     def explicit_order(self) -> int:
@@ -87,6 +92,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     explicit_stability_function = fact_of_twin("_explicit", "stability_function")
     explicit_real_limit = fact_of_twin("_explicit", "real_limit")
     explicit_imaginary_limit = fact_of_twin("_explicit", "imaginary_limit")
+    explicit_imaginary_limit_within_digits = fact_of_twin("_explicit", "imaginary_limit_within_digits")
     implicit_stability_function = fact_of_twin("_implicit", "stability_function")
     implicit_a_stable = fact_of_twin("_implicit", "a_stable")
     implicit_l_stable = fact_of_twin("_implicit", "l_stable")
@@ -119,10 +125,13 @@ class AdditiveFacts(FactsOfFamily[Additive]):
         rows = self.method.b_explicit_embedded, self.method.b_implicit_embedded
         return None if None in rows else self._conditions(*rows)  # type: ignore[arg-type]
 
-    def _conditions(self, b_explicit: Sequence[Exact], b_implicit: Sequence[Exact]) -> ColouredConditions:
+    def _conditions(
+        self, b_explicit: Sequence[Exact], b_implicit: Sequence[Exact], scalars: Scalars = EXACT
+    ) -> ColouredConditions:
         """The conditions of trees with vertices of f and of g, with any branches (kennedy-carpenter-2003, 2)."""
-        stages = TableauStages(self.method.a_explicit, b_explicit), TableauStages(self.method.a_implicit, b_implicit)
-        return ColouredConditions(_COLOURS, *stages, internal=2, scalars=EXACT)
+        tables = (self.method.a_explicit, b_explicit), (self.method.a_implicit, b_implicit)
+        stages = (TableauStages(a, b, scalars) for a, b in tables)
+        return ColouredConditions(_COLOURS, *stages, internal=2, scalars=scalars)
 
 
 # Every fact by name, in the order in which a reader wants them.

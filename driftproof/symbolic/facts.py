@@ -17,7 +17,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
-from driftproof.symbolic.linear.printed_digits import rounding
+from driftproof.symbolic.linear.printed_digits import JUMP, RoundedOrder, rounding
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -25,7 +25,7 @@ from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER, Conditions, OrderFact
-from driftproof.symbolic.trees.order_in_balls import JUMP, RoundedOrder, order_but_for_rounding
+from driftproof.symbolic.trees.order_in_balls import rounded_order
 from driftproof.symbolic.trees.partitioned_trees import general_conditions
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
@@ -38,7 +38,7 @@ MODIFIED_ORDER = 5
 OF_THE_TABLE = (
     *("stages", "explicit", "field", "inconsistencies", "embedded_order", "estimate", "stage_order"),
     *("simplifying_assumptions", "algebraically_stable", "order_reduction"),
-    *("stiffly_accurate", "first_same_as_last", "stability_within_digits"),
+    *("stiffly_accurate", "first_same_as_last", "stability_within_digits", "imaginary_limit_within_digits"),
 )
 OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
 
@@ -105,7 +105,7 @@ class Facts(LinearFacts):
         method, claimed = self.method, self.method.claimed_order
         if isinstance(method, Collocation) or method.field or (claimed and self.order == claimed):
             return None
-        return order_but_for_rounding(method, TOLERANCE_ORDER)
+        return rounded_order(lambda by: general_conditions(method, by), method.coefficients(), TOLERANCE_ORDER)
 
     @property
     def _rounded(self) -> bool:
@@ -120,7 +120,7 @@ class Facts(LinearFacts):
             return False
         residual = self.order_fails.residual
         assert isinstance(residual, Fraction)
-        return 0 < abs(residual) <= JUMP * rounding(method) < Fraction(1, JUMP**2)
+        return 0 < abs(residual) <= JUMP * rounding(method.coefficients()) < Fraction(1, JUMP**2)
 
     @cached_property
     def order_second_order_problems(self) -> int | None:
@@ -195,8 +195,18 @@ FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(Facts), *_LINEAR)))
 # What holds but for the rounding of a table, and the facts that hold of the table as it is written.
 BUT_FOR_ROUNDING = {
     "order_but_for_rounding": ("order", "embedded_order"),
+    "imaginary_limit_within_digits": ("imaginary_limit",),
+    "explicit_imaginary_limit_within_digits": ("explicit_imaginary_limit",),
     "stability_within_digits": ("i_stable", "a_stable", "a_stability", "l_stable", "limit_at_infinity", "sector"),
 }
+
+
+def hidden_by_rounding(facts: Any, names: Sequence[str]) -> dict[str, Any]:
+    """What holds but for the rounding of the coefficients, as far as it concerns the named facts."""
+    hidden = {more: getattr(facts, more, None) for more, of in BUT_FOR_ROUNDING.items() if {*of} & {*names}}
+    return {name: value for name, value in hidden.items() if value is not None}
+
+
 # Why a method may not have a fact.
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
@@ -204,6 +214,7 @@ WHY_NONE = {
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "every stage counts: table and method have the same facts",
     "stability_within_digits": "the method is explicit, its residuals show no rounding, or R has no limit at infinity",
+    "imaginary_limit_within_digits": "the method is implicit, the limit is not 0, or it is so but for no rounding",
     "order_but_for_rounding": f"no residual up to {TOLERANCE_ORDER} vertices is far larger than all before it",
     "estimate": "the method is not an embedded pair",
     "continuous_extensions": "the catalogue has none for this method",
@@ -223,17 +234,22 @@ _FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[st
 OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FACTS_ONLY.values() for names in known for name in names))
 
 
+def derived(method: Entry) -> Any:
+    """The facts of the class for methods of this kind, such as `Facts`."""
+    return Facts(method) if isinstance(method, Method) else _FACTS_ONLY[type(method)][0](method)
+
+
 def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:
     """The named facts of a method that has facts only, by default all but those on request.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.
     """
-    make, known, on_request = _FACTS_ONLY[type(method)]
-    facts = make(method)
+    _, known, on_request = _FACTS_ONLY[type(method)]
+    facts = derived(method)
     if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
-    found = facts_by_name(facts, names or known, (*known, *on_request))
+    found = facts_by_name(facts, names or known, (*known, *on_request)) | hidden_by_rounding(facts, names)
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):
             raise ValueError(f"{method.key} is {method.kind}: its order is exact and takes no tolerance")

@@ -12,7 +12,8 @@ from flint import fmpq
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
-from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, StageValues, TableauStages
+from driftproof.symbolic.linear.printed_digits import RoundedOrder
+from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, Scalars, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     OrderFact,
     RungeKuttaConditions,
@@ -20,7 +21,7 @@ from driftproof.symbolic.trees.order_conditions import (
     order_of,
     order_to_tolerance,
 )
-from driftproof.symbolic.trees.order_in_balls import RoundedOrder, rounded_order
+from driftproof.symbolic.trees.order_in_balls import rounded_order
 from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
 from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, coloured_shapes
 
@@ -36,12 +37,12 @@ class RosenbrockStages:
     (hairer-wanner-1996, IV.7).
     """
 
-    def __init__(self, method: Rosenbrock, weights: Sequence[Exact]) -> None:
+    def __init__(self, method: Rosenbrock, weights: Sequence[Exact], scalars: Scalars = EXACT) -> None:
         """Take the weights b or the embedded ones."""
-        self.scalars = EXACT
+        self.scalars = scalars
         self.bound = method.stages + 1  # of R(z), whose poles are real, hairer-wanner-1996, IV.4
-        self._alpha = TableauStages(method.alpha, weights)
-        self._beta = TableauStages(method.linear_twin().a, weights)
+        self._alpha = TableauStages(method.alpha, weights, scalars)
+        self._beta = TableauStages(method.linear_twin().a, weights, scalars)
         self.one: StageValues = (self._alpha.one, self._alpha.one)
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
@@ -159,8 +160,11 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
-        return rounded_order(self._conditions(self.method.b), MOST_VERTICES) if self.method.decimal else None
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
+        method = self.method
+        if method.field or method.claimed_order == self.order:
+            return None
+        return rounded_order(lambda by: self._conditions(method.b, by), method.coefficients(), MOST_VERTICES)
 
     @cached_property
     def w_order(self) -> int:
@@ -204,8 +208,8 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     def _linear(self) -> LinearFacts:
         return LinearFacts(self.method.linear_twin())
 
-    def _conditions(self, weights: Sequence[Exact]) -> RungeKuttaConditions:
-        return RungeKuttaConditions(RosenbrockStages(self.method, weights))
+    def _conditions(self, weights: Sequence[Exact], scalars: Scalars = EXACT) -> RungeKuttaConditions:
+        return RungeKuttaConditions(RosenbrockStages(self.method, weights, scalars))
 
 
 # Every fact by name, in the order in which a reader wants them.

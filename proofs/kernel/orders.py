@@ -11,9 +11,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact, NumberField, as_fraction
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
+from driftproof.symbolic.linear.printed_digits import RESIDUAL_DIGITS
 from driftproof.symbolic.trees.elementary_weights import RingElement
 from driftproof.symbolic.trees.order_conditions import order, runge_kutta_conditions
-from driftproof.symbolic.trees.order_in_balls import RESIDUAL_DIGITS
 from driftproof.symbolic.trees.rooted_trees import Tree
 from proofs.kernel.coq import Theorem, coq_list, file_text, rational
 from proofs.kernel.tables import definition

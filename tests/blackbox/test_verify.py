@@ -215,6 +215,21 @@ def test_a_right_step_that_is_solved_less_well_than_stated_is_told_how_well():
     assert 1e-9 < float(found.verdict.split()[-1].rstrip(";")) < 1e-7
 
 
+def test_weights_of_states_that_do_not_sum_to_1_are_told_by_what_h_of_0_does():
+    """As those of convex combinations do that are printed in 15 digits; with exact ones it is the method."""
+
+    def convex(rest):
+        def step(f, t, y, h):
+            u = y + h * f(t, y)
+            return rest * y + 0.5 * (u + h * f(t + h, u))
+
+        return step
+
+    found = held(convex(0.500000000000002), "heun2")
+    assert "; h = 0 returns the state except for rounding by 2e-15, as weights of states that do not" in found.verdict
+    assert held(convex(0.5), "heun2").passed
+
+
 @pytest.mark.slow
 def test_a_step_that_ends_where_a_slope_is_0_is_not_the_method():
     step = all_at_once(table("gauss2"))

@@ -17,7 +17,8 @@ OFFERED = {
     "stability kepler_": ["kepler_eccentric", "kepler_extreme"],
     "scene com": ["compare"], "value --styl": ["--style"], "facts mine.tom": [],
     "stability kepler --methods rk4,heun2,velo": ["rk4,heun2,velocity_verlet"],
-    "facts rk4 --only order,imagin": ["order,imaginary_limit"], "value --only imagin": [],
+    "facts rk4 --only order,imagin": ["order,imaginary_limit", "order,imaginary_limit_within_digits"],
+    "value --only imagin": [],
 }  # fmt: skip
 TOUR = (Path(__file__).parents[2] / "docs" / "tour.md").read_text(encoding="utf-8")
 TOLD = re.findall(r"`driftproof ([^`]*)`\sinto\s`([^`]*)`", TOUR)

@@ -54,6 +54,16 @@ def test_a_command_takes_it(asked, answer):
     assert shown in answer(*words)
 
 
+@pytest.mark.parametrize("form", ["text", "json", "tex"])
+def test_an_order_that_is_claimed_and_missed_is_status_1_where_it_is_shown(form, folder, run):
+    assert run("facts", "mine.toml", "--format", form)[0] == 0
+    (folder / "mine.toml").write_text(KUTTA3.replace("2/3", "3/2"))
+    for words, status in ((("--only", "order"), 1), ((), 1), (("--only", "stages"), 0)):
+        found = run("facts", "mine.toml", "--format", form, *words)
+        assert (found[0], found[2]) == (status, "")
+        assert ("claimed order 3, has 0" in found[1]) == bool(status)
+
+
 # Tables that have facts and are verified, and make no runs; and a family.
 FACTS_ONLY = {
     "rosenbrock": 'alpha = [[0, 0], [1, 0]]\ngamma = [["1/2", 0], [-1, "1/2"]]\nb = ["1/2", "1/2"]',

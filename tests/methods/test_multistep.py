@@ -22,7 +22,7 @@ BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
     [
         ((1,), (1,), "m: rho has 1 entries, sigma 1; both need k + 1 entries for k >= 1 steps, zeros included"),
         ((-1, 1), (1, 0, 0), "m: rho has 2 entries, sigma 3"),
-        ((-1, 1, 0), (0, 0, 1), "m: the last entry of rho is 0, so the method does not define a new value from F"),
+        ((-1, 1, 0), (0, 0, 1), "a new value from F; rho and sigma go from the oldest value to the new one"),
         ((-1, 1), (0, 0), "m: sigma is 0"),
         ((0, -1, 1), (0, 1, 0), "m: rho and sigma both begin with 0; leave these entries out"),
         ((-1, 1.0), (1, 0), "m: rho[1] is 1.0 (float); coefficients are exact: write an int or a Fraction"),

@@ -110,6 +110,21 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [[1/2]]\nb = [1]", 'Unclosed array (at line 2, column 8); write a fraction in quotes, "1/2"'),
     (HEAD + "A = [[0, 0], [1, 0]]\nb = [1, 0]\nb_hat = [1, 0]", "rename 'b_hat' to b_embedded"),
     (HEAD + "A = [[0, 0], [1, 0]]\nw = [1, 0]", "(`driftproof facts --help` shows one)"),
+    ('family = "splitting"\na = [1]\nb = [1]', "has no key 'a'; its keys are family, "),
+    (
+        'family = "splitting"\na = [1]\nb = [1]',
+        "parts (write parts = [['kick', '1/2'], ['drift', 1], ...], the sub-steps",
+    ),
+    (
+        'family = "multistep"\nalpha = [1, -1]',
+        "(alpha is rho, beta is sigma, both from the oldest value to the new one)",
+    ),
+    ('family = "multistep"\nrho = [1, -1]\nsteps = 1', "a multistep has no key 'steps'; its keys are family, "),
+    ('family = "additive"\nc = [1]', "an additive has no key 'c'"),
+    (
+        HEAD + 'A = [["√2/2"]]\nb = [1]',
+        "A[0][0]: '√2/2', column 1: '√' is not allowed in an expression; write sqrt(2) ",
+    ),
     (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
     (HEAD + "A = [[0, 0]]\nb = [1]", "A is not square: A[0] has 2 entries, A has 1 rows"),
     (ONE + "b_embedded = [1]\nembedded_order = -1", "embedded_order is -1; write a whole number from 0 to 200"),

@@ -6,10 +6,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from driftproof.texts.values.published import VALUES_FILE
+from proofs import conftest
 
 ROOT = Path(__file__).parents[2]
 
@@ -72,6 +74,27 @@ def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_call
     )
     assert "values.json not written" in done.stdout
     assert digest() == before
+
+
+def test_what_the_files_had_otherwise_is_said_of_each_value(tmp_path, monkeypatch):
+    """As after somebody has edited a published value, or added one; nothing is said where all are as they were."""
+    proved = VALUES_FILE.read_text(encoding="utf-8")
+    file = tmp_path / "values.json"
+    monkeypatch.setattr(conftest, "VALUES_FILE", file)
+    monkeypatch.setattr(conftest, "_files", lambda ledger: [(file, proved)])
+    ledger = SimpleNamespace(complete=True)
+    file.write_text(proved.replace('"337/384"', '"338/384"').replace('"rk4.stages"', '"mine"'), encoding="utf-8")
+    first, *others = conftest._publish(ledger, 0).splitlines()
+    assert first == "wrote values.json, which differed from what is proved"
+    assert [line.split(":")[0] for line in others] == [
+        "  mine",
+        "  rk4.first_step.q",
+        "  rk4.first_step.q",
+        "  rk4.stages",
+    ]
+    assert others[1].startswith("  rk4.first_step.q: 338/384 = 0.8776041666666666666666666")
+    assert conftest._publish(ledger, 0) == "values.json and ledger.md are up to date"
+    assert conftest._publish(ledger, 1).startswith("values.json not written")
 
 
 @pytest.mark.slow

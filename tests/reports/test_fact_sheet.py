@@ -1,10 +1,13 @@
 """A sheet of facts derives what it is asked for, and no more."""
 
+from dataclasses import replace
+from fractions import Fraction as Q
 from math import inf
 
 import pytest
 
 from driftproof import METHODS, Facts, facts, value
+from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.reports.fact_sheet import FactSheet
 from driftproof.symbolic.family_facts import FAMILY_FACTS
 
@@ -30,6 +33,37 @@ def test_of_the_facts_asked_for_it_is_said_which_belong_to_the_table():
 def test_a_fact_of_rounded_coefficients_brings_what_holds_but_for_the_rounding():
     assert [*facts("dop853", only=("order",)).data] == ["order", "order_but_for_rounding"]
     assert [*facts("rk4", only=("order", "a_stable")).data] == ["order", "a_stable"]
+
+
+DP5 = METHODS["dormand_prince54"]
+WRONG = replace(DP5, b=(*DP5.b[:2], Q(500, 1131), *DP5.b[3:]))
+
+
+def test_an_order_that_is_claimed_and_missed_comes_first_with_the_entry_that_may_be_wrong():
+    entry = "b[2] = 500/1113 in place of 500/1131"
+    lines = ["claimed order 5, has 0", f"with this one entry changed, order 5 is restored: {entry}"]
+    for sheet in (facts(WRONG), facts(WRONG, only=["order"])):
+        assert str(sheet).splitlines()[:3] == [*lines, ""]
+        assert sheet.data["unreached"] == lines
+    assert facts(WRONG, only=["embedded_order"]).written("tex").startswith(f"% {lines[0]}\n% {lines[1]}\n\\begin")
+    pair = replace(METHODS["heun_euler21"], b_embedded=(Q(1, 2), Q(1, 4)))
+    assert facts(pair).unreached == (
+        "claimed embedded order 1, has 0",
+        "with this one entry changed, order 1 is restored: b_embedded[0] = 3/4 in place of 1/2",
+        "with this one entry changed, order 1 is restored: b_embedded[1] = 1/2 in place of 1/4",
+    )
+    assert facts(replace(FACTS_ONLY["bdf3"], claimed_order=4)).unreached == ("claimed order 4, has 3",)
+
+
+def test_where_no_order_is_asked_for_or_a_tolerance_is_met_no_claim_is_examined():
+    rounded = [round(x, 16) for x in DP5.b]
+    off = replace(DP5, b=(rounded[0] + Q(1, 10**9), *rounded[1:]))
+    sheets = facts(WRONG, only=["stages"]), facts(off, order_tolerance="1e-8"), facts("sdirk_order_2")
+    for sheet in (*sheets, facts("tsitouras54"), facts(WRONG, system=[[0, 1], [-1, 0]])):
+        assert sheet.unreached == ()
+        assert "unreached" not in sheet.data
+    found = facts(off, order_tolerance="1e-10").unreached
+    assert found[0].startswith("claimed order 5, has 0: conditions up to 5 fail by 1.01e-9, more than ")
 
 
 def test_facts_of_a_method_are_its_typed_facts():

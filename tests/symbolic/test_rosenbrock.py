@@ -119,6 +119,23 @@ def test_digits_alone_keep_decimal_tables_from_their_order():
     assert RosenbrockFacts(wrong).order_but_for_rounding is None
 
 
+def test_coefficients_of_unequal_numbers_of_digits_are_judged_by_the_shorter_ones():
+    """ROS3 of Sandu (1997) has a gamma of 26 digits beside numbers of 32; the twin has a wrong digit."""
+    g, rest = "0.43586652150845899941601945", "-0.19294655696029095575009695436041 1.74927148125794685173529749738960"
+    weights = "-0.75457412385404315829818998646589 1.94100407061964420292840123379419"
+    gamma, low, high, *b = map(Q, (g, *rest.split(), *weights.split(), "-0.18642994676560104463021124732829"))
+    rows = ((0, 0, 0), (gamma, 0, 0), (gamma, 0, 0)), ((gamma, 0, 0), (low, gamma, 0), (0, high, gamma))
+    for x, order in ((0, (3, "3.29e-27", "1.05e-1")), (Q(1, 10**16), (1, "1.01e-32", "2.43e-17"))):
+        method = Rosenbrock("m", "ROS3", 3, "", rows[0], rows[1], (b[0] + x, b[1] - x, b[2]), decimal=True)
+        assert RosenbrockFacts(method).order_but_for_rounding == order
+
+
+def test_an_order_brings_the_one_but_for_rounding():
+    assert [*facts("rodas4", only=["order"]).data] == ["order", "order_but_for_rounding"]
+    assert [*facts("ros2", only=["order"]).data] == ["order"]
+    assert [*facts("rodas4", only=["diagonal"]).data] == ["diagonal"]
+
+
 def test_facts_are_written_and_asked_for_by_name(answer, refusal):
     assert facts(EVERY["ros2"]).data["gamma_sums"] == ["1 - 1/2*sqrt(2)", "-1 + 1/2*sqrt(2)"]
     text = answer("facts", "GRK4T", "--only", "claimed_order,order", "--order-tolerance", "1e-11")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import prod
@@ -51,6 +51,7 @@ def judged_dense(subject: ForeignStepper) -> JudgedDense:
 
 def judged_reading(reading: DenseReading) -> JudgedDense:
     """Judge a dense output that was read."""
+    reading = reading.merged()
     polynomials = _Polynomials.of(reading)
     matched = [METHODS[match.key] for match in match_tableau(reading.step).matches if not match.relation]
     cubics = (hermite(m) for m in matched if isinstance(m, RungeKutta) and not any(m.a[0]))  # k₁ = f(t, y)
@@ -129,19 +130,18 @@ class _Polynomials:
         """Yield what is wrong at theta = 0 and at theta = 1, where the dense output should be y and y1."""
         at_start, at_end = reading.rows[0], [x - y for x, y in zip(reading.rows[-1], reading.own, strict=True)]
         for place, off in (("y at theta = 0", at_start), ("y1 at theta = 1", at_end)):
-            worst = max(range(len(off)), key=lambda j: abs(off[j]))
-            if abs(off[worst]) > self.allowed:
-                yield f"the dense output is not {place}: the weight of call {worst} is off by {off[worst]:.3g}"
+            size, weight = _worst(reading, off)
+            if size > self.allowed:
+                yield f"the dense output is not {place}: {weight}"
 
     def elsewhere(self, reading: DenseReading) -> Iterator[str]:
         """Yield the first theta between the sixteenths whose value, up to rounding, is not on the polynomials."""
         slope = max(_size(weight.derivative()) for weight in self.weights)
         for theta, row in reading.between:
-            off = self._off(theta, row)
-            worst = max(range(len(off)), key=lambda j: off[j])
-            if off[worst] > self.allowed * (1 + slope):
+            size, weight = _worst(reading, self._off(theta, row))
+            if size > self.allowed * (1 + slope):
                 place = f"differs from its polynomial at theta = {float(theta):.3g}, though not at multiples of 1/16"
-                yield f"the dense output {place}: the weight of call {worst} is off by {off[worst]:.3g}"
+                yield f"the dense output {place}: {weight}"
                 return
 
     def smoothness(self, reading: DenseReading) -> str:
@@ -162,6 +162,12 @@ class _Polynomials:
         ends = ["f(t, y)"] * is_slope(0, 0) + ["f(t + h, y1)"] * any(is_slope(1, i) for i in last)
         slopes = f"is {' and '.join(ends)}" if ends else "is not that of the solution at either end"
         return f"continuous: it is y at theta = 0 and y1 at theta = 1; the slope {'there ' * bool(ends)}{slopes}"
+
+
+def _worst(reading: DenseReading, off: Sequence[float]) -> tuple[float, str]:
+    """The size of the largest difference of weights, and the words for it."""
+    worst = max(range(len(off)), key=lambda j: abs(off[j]))
+    return abs(off[worst]), f"the weight of call {reading.stages[worst]} is off by {off[worst]:.3g}"
 
 
 def _size(p: Polynomial) -> float:

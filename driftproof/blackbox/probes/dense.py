@@ -9,6 +9,8 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
@@ -40,7 +42,8 @@ class DenseReading:
 
     `argument` says what it is a function of. `step` is the table with b(1). kⱼ is the answer to call j, where calls
     made for the dense output alone are included; `own` are the weights of y₁, 0 for such calls. `between` are pairs
-    (θ, b(θ)) of other θ. The remarks of `step` are those on the dense output alone.
+    (θ, b(θ)) of other θ. The remarks of `step` are those on the dense output alone. `stages` are the calls that
+    `merged` kept.
     """
 
     argument: str
@@ -48,6 +51,23 @@ class DenseReading:
     rows: tuple[CoefficientRow, ...]
     own: CoefficientRow
     between: tuple[tuple[Fraction, CoefficientRow], ...]
+    stages: Sequence[int] = ()
+
+    def merged(self) -> DenseReading:
+        """The reading with calls of equal arguments as one stage, as where slopes are evaluated anew for the output.
+
+        Only the sum of their weights means anything. It may be off by the roundings of all calls.
+        """
+        kept, sums = _apart(self.step)
+
+        def at(rows: Sequence[CoefficientRow]) -> tuple[CoefficientRow, ...]:
+            return tuple(tuple(float(x) for x in row @ sums) for row in np.array(rows))
+
+        a, c = at([self.step.a[i] for i in kept]), self.step.c and tuple(self.step.c[i] for i in kept)
+        rows, (own,), between = at(self.rows), at([self.own]), at([row for _, row in self.between])
+        error = self.step.stage_error + (self.step.calls - len(kept)) * float(self.step.format.u)
+        step, places = replace(self.step, a=a, b=rows[-1], c=c, stage_error=error), (theta for theta, _ in self.between)
+        return DenseReading(self.argument, step, rows, own, tuple(zip(places, between, strict=True)), kept)
 
     def step_to(self, theta: Fraction) -> TableauReading:
         """The step of length θh that ends at θ, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, but not 0."""
@@ -55,6 +75,20 @@ class DenseReading:
         a = tuple(tuple(x / part for x in entries) for entries in self.step.a)
         c = None if self.step.c is None else tuple(x / part for x in self.step.c)
         return replace(self.step, a=a, b=tuple(x / part for x in row), c=c, remarks=())
+
+
+def _apart(step: TableauReading) -> tuple[list[int], np.ndarray[Any, Any]]:
+    """The calls whose arguments no earlier one has, and the matrix that adds to their weights those of all others."""
+    places, kept, sums = list[np.ndarray[Any, Any]](), list[int](), np.zeros((step.calls, step.calls))
+    for i, row in enumerate(np.array(step.a)):
+        place = np.append(row @ sums, step.c[i] if step.c else 0.0)
+        allowed = step.rounding.of(1 + abs(place).sum())
+        same = next((k for k, other in enumerate(places) if abs(place - other).max() <= allowed), len(places))
+        if same == len(places):
+            places.append(place)
+            kept.append(i)
+        sums[i, same] = 1.0
+    return kept, sums[:, : len(kept)]
 
 
 def read_dense(subject: ForeignStepper) -> DenseReading:

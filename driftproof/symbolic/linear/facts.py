@@ -15,11 +15,16 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear import a_stability as half_plane
 from driftproof.symbolic.linear import invariants, oscillator, phase, reduced_tableau, stability_limits
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent, sector_tangent
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
-from driftproof.symbolic.linear.printed_digits import StabilityWithinDigits, stability_within_digits
+from driftproof.symbolic.linear.printed_digits import (
+    StabilityWithinDigits,
+    imaginary_limit_within_digits,
+    stability_within_digits,
+)
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import prothero_robinson
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_limit
@@ -257,6 +262,14 @@ class LinearFacts:
         """I-, A- and L-stability and |R(oo)| within the rounding of the coefficients; None if they are not rounded."""
         method = self.method
         return stability_within_digits(method) if isinstance(method, RungeKutta) and self._rounded else None
+
+    @cached_property
+    def imaginary_limit_within_digits(self) -> str | None:
+        """The imaginary limit that the rounding of an explicit table makes 0; None if it does not, or the digits do."""
+        method = self.method
+        if self.imaginary_limit != ZERO_ROOT or not isinstance(method, RungeKutta) or not self._rounded:
+            return None
+        return imaginary_limit_within_digits(method)
 
     @property
     def _rounded(self) -> bool:

@@ -5,11 +5,14 @@ Stability at z = hλ is decided by the values of the function ρ/σ outside the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import count
 from math import factorial
 from typing import NamedTuple
+
+from flint import arb
 
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import as_fmpq, as_fraction
@@ -40,6 +43,7 @@ from driftproof.symbolic.algebra.real_roots import (
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
 from driftproof.symbolic.linear.facts import AStability, ExactFunction, FactsOfFamily, Sector, fact_names
+from driftproof.symbolic.linear.printed_digits import RoundedOrder, decimal_roundings, order_by_jump
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
@@ -114,7 +118,19 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     @cached_property
     def order_fails(self) -> Residual:
         """The first power of t that the method does not reproduce, with its residual for h = 1."""
-        return next(Residual(power, x) for power in count() if (x := _residual(self.method, power)))
+        return next(Residual(power, x) for power in count() if (x := self._residual(power)))
+
+    @cached_property
+    def order_but_for_rounding(self) -> RoundedOrder | None:
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
+        method = self.method
+        if method.claimed_order == self.order:
+            return None
+        off = decimal_roundings(method.coefficients())
+        rho, sigma = [off(x) for x in method.rho], [-off(x) for x in method.sigma]  # so that nothing cancels
+        sizes = (arb(as_fmpq(abs(self._residual(power)))) for power in range(2 * method.steps + 4))
+        found = order_by_jump(sizes, lambda n: arb(as_fmpq(_residual(rho, sigma, method.derivative, n - 1))))
+        return found and found._replace(order=found.order - method.derivative)
 
     @cached_property
     def error_constant(self) -> Fraction | None:
@@ -199,6 +215,9 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         found = (self._locus_point(t) for t in [*halves, Fraction(1), *(1 / t for t in reversed(halves))])
         return [point for point in found if point is not None]
 
+    def _residual(self, power: int) -> Fraction:
+        return _residual(self.method.rho, self.method.sigma, self.method.derivative, power)
+
     @property
     def _written(self) -> tuple[Polynomial, Polynomial]:
         return polynomial(self.method.rho), polynomial(self.method.sigma)
@@ -277,13 +296,11 @@ _DERIVED = (name for name in fact_names(MultistepFacts) if name not in MULTISTEP
 MULTISTEP_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *_DERIVED)))
 
 
-def _residual(method: Multistep, power: int) -> Fraction:
-    """The residual L(tᵖ)/p! = Σ ρⱼ jᵖ/p! - Σ σⱼ jᵖ⁻ᵈ/(p - d)! at t = 0, h = 1, for p = `power`."""
-    left = sum((x * j**power for j, x in enumerate(method.rho)), Fraction(0)) / factorial(power)
-    lower = power - method.derivative
-    if lower < 0:
-        return left
-    return left - sum((x * j**lower for j, x in enumerate(method.sigma)), Fraction(0)) / factorial(lower)
+def _residual(rho: Sequence[Fraction], sigma: Sequence[Fraction], derivative: int, power: int) -> Fraction:
+    """The residual L(tᵖ)/p! = Σ ρⱼ jᵖ/p! - Σ σⱼ jᵖ⁻ᵈ/(p - d)! at t = 0, h = 1, for p = `power`, d = `derivative`."""
+    pairs = ((rho, power, 1), (sigma, power - derivative, -1))
+    terms = (sign * x * Fraction(j**n, factorial(n)) for row, n, sign in pairs if n >= 0 for j, x in enumerate(row))
+    return sum(terms, Fraction(0))
 
 
 def _square_of_tangent(top: Polynomial, bottom: Polynomial, s: RealRoot) -> RealRoot:

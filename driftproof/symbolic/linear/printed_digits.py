@@ -1,7 +1,8 @@
-"""I-, A- and L-stability of a table of rounded coefficients, as far as its printed digits decide them."""
+"""The order and the stability of a table of rounded coefficients, as far as its printed digits decide them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -9,15 +10,57 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly
 
 from driftproof.methods.number_field import Exact, as_fmpq
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.algebra.certified import AWAY, HALF_EVEN, endpoints, scientific
+from driftproof.symbolic.algebra.certified import AWAY, HALF_EVEN, endpoints, scientific, significant
 from driftproof.symbolic.algebra.polynomials import reflected
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.a_stability import is_hurwitz, negative_point
 from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.linear.stability_limits import INFINITY, nonnegative_limit
 
 # Significant digits of R(oo) and its bound; chosen: only their order of magnitude matters.
 SIZE_DIGITS = 3
+# Significant digits of a limit that the last digits of the coefficients move.
+LIMIT_DIGITS = 5
 # Bits of precision in addition to those of the digits, so that the width of the balls comes from the radii alone.
 SPARE_BITS = 64
+
+# Residuals that come from rounding all coefficients to the same digits are within a factor of 1000 of each other; with
+# coefficients of four digits or more, the first condition that fails by itself is larger by at least as much again.
+JUMP = 1000
+# What the digits may hide counts tenfold: the last ones that are printed are not always rounded correctly.
+MARGIN = 10
+# Digits of a residual in text, where only its magnitude matters.
+RESIDUAL_DIGITS = 3
+
+
+class RoundedOrder(NamedTuple):
+    """The order apart from rounding, the largest residual up to that order, and the largest one order higher.
+
+    Both have three digits. `residual` is rounded up, so that no condition up to the order misses by more.
+    """
+
+    order: int
+    residual: str
+    next_residual: str
+
+
+def order_by_jump(residuals: Iterable[arb], hidden: Callable[[int], arb]) -> RoundedOrder | None:
+    """The order p but for rounded coefficients: residuals up to p are far smaller than the largest of order p + 1.
+
+    Residuals due to rounding have similar sizes in every order; the first that is more than `JUMP` times as large as
+    all before it is the method's own, unless it is one that the rounding of the coefficients, which may have unequal
+    numbers of digits, explains: not more than `MARGIN` times `hidden` of its order. `residuals` are the largest ones of
+    the orders 1, 2, ...; None if none jumps, or if rounding makes no condition fail.
+    """
+    largest = arb(0)
+    for n, found in enumerate(residuals, 1):
+        if largest > 0 and JUMP * largest < found and MARGIN * hidden(n) < found:
+            most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
+            return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
+        largest = max(largest, found)
+        if JUMP * largest >= 1:  # weights are about 1
+            return None
+    return None
 
 
 class StabilityWithinDigits(NamedTuple):
@@ -42,18 +85,13 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
     """
     if method.field or method.explicit:
         return None
-    exact, places = stability_function(method), _longest(method)
+    exact, places = stability_function(method), max(_digits(x) for row in (*method.a, method.b) for x in row)
     with ctx.workprec(4 * places + SPARE_BITS):
-        size = range(method.stages)
-        a, b = [[_ball(x, places) for x in row] for row in method.a], [_ball(x, places) for x in method.b]
-        shifted = [[arb(0) if method.a[i][j] == method.b[j] else a[i][j] - b[j] for j in size] for i in size]
-        num, den = _determinant(shifted), _determinant(a)
+        num, den = _in_balls(method, places)
         if num.degree() > den.degree() or den[den.degree()].contains(0):
             return None
         at_infinity = num[den.degree()] / den[den.degree()]
-        margin = _square_on_axis(den) - _square_on_axis(num)
-        upper = fmpq_poly([as_fmpq(endpoints(c)[1]) for c in margin.coeffs()])
-        on_axis = negative_point(upper) is None
+        on_axis = negative_point(_margins(num, den)[1]) is None
         half_plane = on_axis and is_hurwitz(reflected(exact.den))
         written = exact.at_infinity() or Fraction(0)
         return StabilityWithinDigits(
@@ -65,14 +103,40 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
         )
 
 
-def rounding(method: RungeKutta) -> Fraction:
+def imaginary_limit_within_digits(method: RungeKutta) -> str | None:
+    """How far along the imaginary axis the rounding of an explicit table does not exclude |R| <= 1, in a few digits.
+
+    A rounding lets |R| exceed 1 next to 0, and then a limit of 3 becomes one of 0. None if the digits do not prove
+    |R| < 1 half-way there, if there is no limit, and for irrational coefficients.
+    """
+    if method.field or not method.explicit:
+        return None
+    places = max(_digits(x) for row in (*method.a, method.b) for x in row)
+    with ctx.workprec(4 * places + SPARE_BITS):
+        low, high = _margins(*_in_balls(method, places))
+    square = nonnegative_limit(high)
+    if square in (ZERO_ROOT, INFINITY) or low(as_fmpq(square.interval()[0] / 4)) <= 0:
+        return None
+    return significant(square.square_root().ball, LIMIT_DIGITS)
+
+
+def rounding(coefficients: Iterable[Exact]) -> Fraction:
     """The largest rounding, as in `stability_within_digits`, of a coefficient; they are rational."""
-    longest = _longest(method)
-    return max(_rounding(x, longest) for row in (*method.a, method.b) for x in row)
+    row = [*coefficients]
+    longest = max(map(_digits, row))
+    return max(_rounding(x, longest) for x in row)
 
 
-def _longest(method: RungeKutta) -> int:
-    return max(_digits(x) for row in (*method.a, method.b) for x in row)
+def decimal_roundings(coefficients: Iterable[Exact]) -> Callable[[Exact], Fraction]:
+    """How far a decimal may be from what it was rounded from: as far as any of these that are rounded.
+
+    These have at least half the digits of the longest. It is 0 for others, and for all beside long ratios.
+    """
+    row = [*coefficients]
+    longest = max(map(_digits, row))
+    rounded = [x for x in row if 2 * _digits(x) >= longest]
+    coarsest = Fraction(0) if None in map(_places, rounded) else max(_rounding(x, longest) for x in rounded)
+    return lambda x: coarsest if 2 * _digits(x) >= longest else Fraction(0)
 
 
 def _digits(x: Exact) -> int:
@@ -107,6 +171,21 @@ def _rounding(x: Exact, longest: int) -> Fraction:
         return Fraction(0)
     places = _places(x)
     return Fraction(1, x.denominator**2 if places is None else 2 * 10**places)
+
+
+def _in_balls(method: RungeKutta, places: int) -> tuple[arb_poly, arb_poly]:
+    """Numerator and denominator of R, with balls as coefficients; entries that are printed alike count as equal."""
+    size = range(method.stages)
+    a, b = [[_ball(x, places) for x in row] for row in method.a], [_ball(x, places) for x in method.b]
+    shifted = [[arb(0) if method.a[i][j] == method.b[j] else a[i][j] - b[j] for j in size] for i in size]
+    return _determinant(shifted), _determinant(a)
+
+
+def _margins(num: arb_poly, den: arb_poly) -> tuple[fmpq_poly, fmpq_poly]:
+    """The lower and the upper ends of |Q(iy)|² - |P(iy)|² for y > 0, as polynomials in y²."""
+    ends = (endpoints(c) for c in (_square_on_axis(den) - _square_on_axis(num)).coeffs())
+    low, high = ([as_fmpq(x) for x in row] for row in zip(*ends, strict=True))
+    return fmpq_poly(low), fmpq_poly(high)
 
 
 def _determinant(rows: list[list[arb]]) -> arb_poly:

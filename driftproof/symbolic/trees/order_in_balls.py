@@ -10,9 +10,10 @@ from typing import Any, Generic, NamedTuple, TypeAlias
 
 from flint import arb, ctx, fmpq
 
-from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.certified import AWAY, endpoints, scientific
-from driftproof.symbolic.trees.elementary_weights import RingElement, StageValues, TableauStages
+from driftproof.methods.number_field import Exact
+from driftproof.symbolic.algebra.certified import endpoints
+from driftproof.symbolic.linear.printed_digits import RoundedOrder, decimal_roundings, order_by_jump
+from driftproof.symbolic.trees.elementary_weights import RingElement, Scalars, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions, TreeType
 from driftproof.symbolic.trees.partitioned_trees import (
     OTHER_COLOUR,
@@ -21,15 +22,8 @@ from driftproof.symbolic.trees.partitioned_trees import (
     Q,
     V,
     conditions_with_nodes,
-    general_conditions,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, tree_table
-
-# Residuals that come from rounding all coefficients to the same digits are within a factor of 1000 of each other; with
-# coefficients of four digits or more, the first condition that fails by itself is larger by at least as much again.
-JUMP = 1000
-# Digits of a residual in text, where only its magnitude matters.
-RESIDUAL_DIGITS = 3
 
 # chosen: far more bits than sums of a few products of doubles use.
 BALL_BITS = 256
@@ -49,13 +43,18 @@ _Row: TypeAlias = tuple[Uncertain, ...]
 
 @dataclass(frozen=True)
 class Balls:
-    """Arb's balls as the ring of residuals: each ball contains the number that it stands for."""
+    """Arb's balls as the ring of residuals: each ball contains the number that it stands for.
+
+    `rounding` says how far a number that is no `Ball` may be from what it was rounded from.
+    """
+
+    rounding: Callable[[Fraction], Fraction] | None = None
 
     def lift(self, x: Uncertain) -> RingElement:
         """An Arb ball that contains every number that `x` may be."""
-        if isinstance(x, Ball):
-            return self.lift(x.center) + arb(0, 1) * self.lift(x.radius)
-        return arb(fmpq(x.numerator, x.denominator))
+        center, radius = x if isinstance(x, Ball) else (x, self.rounding(Fraction(x)) if self.rounding else 0)
+        point = arb(fmpq(center.numerator, center.denominator))
+        return point + arb(0, 1) * arb(fmpq(radius.numerator, radius.denominator)) if radius else point
 
     def exact(self, x: RingElement) -> Fraction:
         """Raise TypeError: a ball is not an exact number."""
@@ -72,17 +71,6 @@ class ProvableFailure(Generic[TreeType]):
     order: int
     failing_tree: TreeType | None
     residual: tuple[Fraction, Fraction] | None
-
-
-class RoundedOrder(NamedTuple):
-    """The order apart from rounding, the largest residual up to that order, and the largest one order higher.
-
-    Both have three digits. `residual` is rounded up, so that no condition up to the order misses by more.
-    """
-
-    order: int
-    residual: str
-    next_residual: str
 
 
 class BallTableau(NamedTuple):
@@ -127,31 +115,18 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
         return min(_first_wrong(chain, limit) for chain in chains)
 
 
-def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int) -> RoundedOrder | None:
-    """`rounded_order` for the problems that the method's family is made for; the coefficients are rational."""
+def rounded_order(
+    conditions: Callable[[Scalars], Conditions[Any]], coefficients: Iterable[Exact], limit: int
+) -> RoundedOrder | None:
+    """`order_by_jump` up to `limit` vertices: of conditions in any scalars, and the coefficients they are made of."""
     with ctx.workprec(BALL_BITS):
-        return rounded_order(general_conditions(method, Balls()), limit)
+        exactly, loosely = (conditions(Balls(by)) for by in (None, decimal_roundings(coefficients)))
 
+        def largest(n: int) -> arb:
+            return max((x.abs_upper() for _, x in exactly.residuals(n) if not x.contains(0)), default=arb(0))
 
-def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | None:
-    """The order p but for rounded coefficients: residuals up to p vertices are far smaller than one of p + 1 vertices.
-
-    Residuals due to rounding have similar sizes for every number of vertices; the first that is more than `JUMP` times
-    as large as all before it is the method's own. None if there is no such jump up to `limit` vertices, or if rounding
-    makes no condition fail. Residuals are balls or rational.
-    """
-    with ctx.workprec(BALL_BITS):
-        largest, n = arb(0), 0
-        while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights are about 1
-            n += 1
-            balls = (arb(x) for _, x in conditions.residuals(n))
-            sizes = [x.abs_upper() for x in balls if not x.contains(0)]
-            found = max(sizes, default=arb(0))
-            if largest > 0 and JUMP * largest < found:
-                most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
-                return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
-            largest = max(largest, found)
-    return None
+        sizes = map(largest, range(1, min(limit, exactly.bound) + 2))
+        return order_by_jump(sizes, lambda n: max(x.rad() for _, x in loosely.residuals(n)))
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:

@@ -15,7 +15,16 @@ from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, ev
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.facts import BUT_FOR_ROUNDING, FACTS, ON_REQUEST, OTHER_FACTS, WHY_NONE, Facts, facts_only
+from driftproof.symbolic.facts import (
+    BUT_FOR_ROUNDING,
+    FACTS,
+    ON_REQUEST,
+    OTHER_FACTS,
+    WHY_NONE,
+    Facts,
+    facts_only,
+    hidden_by_rounding,
+)
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.facts import ExactFunction, Formula, Sector, TruncatedSeries, facts_by_name
@@ -41,22 +50,22 @@ def fact(context: QueryContext) -> Answer:
     name, subject = context.head, context.subject()
     with context.refused():
         if isinstance(subject, Family):
-            found = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)[name]
+            known = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)
         elif isinstance(subject, FactsOnly):
-            found = facts_only(subject, (name,))[name]
+            known = facts_only(subject, (name,))
         else:
-            found = facts_by_name(Facts(subject), (name,), (*FACTS, *ON_REQUEST))[name]
+            facts = Facts(subject)
+            known = facts_by_name(facts, (name,), (*FACTS, *ON_REQUEST)) | hidden_by_rounding(facts, (name,))
+        found, within = known.pop(name), next(iter(known), None)
         if found is None:
             why = f": {WHY_NONE[name]}" if name in WHY_NONE else ""
             raise ValueError(f"{subject.key} has no {name}{why}")
         if isinstance(found, QuadraticForm) and context.query.readout is None:
             return _quadratic(context, found)
         answer = _answer(context, *_part(context, found, subject.key))
-        within = next((more for more, names in BUT_FOR_ROUNDING.items() if name in names), None)
-        rounded = not isinstance(subject, Family) and subject.decimal
-        if within == "stability_within_digits" and isinstance(subject, RungeKutta):  # its file may not say so
-            rounded = rounded or Facts(subject).stability_within_digits is not None
-        if not rounded or not (within or isinstance(found, bool)):
+        touched = isinstance(found, bool) or any(name in names for names in BUT_FOR_ROUNDING.values())
+        # Its file may not say that it is rounded.
+        if within is None and not (touched and not isinstance(subject, Family) and subject.decimal):
             return answer
         more = f"; {within} ignores the rounding" if within else ""
         return replace(answer, remark=f"{_AS_ROUNDED}{more}")

@@ -126,6 +126,7 @@ def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
 
 
 def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
+    """The leaves below the node; a document that is one number, the answer to a question, is called by that."""
     if isinstance(node, dict) and not isinstance(node.get("decimal"), str) and (node or not place):
         for key, inner in node.items():
             yield from _leaves(inner, (*place, key))
@@ -133,7 +134,7 @@ def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
         for i, inner in enumerate(node):
             yield from _leaves(inner, (*place, f"[{i}]"))
     else:
-        yield place, node
+        yield place or (str(node.get("question", "value")),), node
 
 
 def _leaf_changes(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
@@ -182,8 +183,7 @@ def _agree(old: Any, new: Any) -> bool:
 
 def _number(text: Any) -> Fraction | None:
     """The rational number that the text spells as a fraction or a decimal; None for other text."""
-    found = _rounded(text)
-    return found[0] if found else None
+    return (_rounded(text) or (None,))[0]
 
 
 def _rounded(text: Any) -> tuple[Fraction, Fraction] | None:

@@ -53,15 +53,17 @@ root_condition | root condition on the roots of rho
 stability_function | stability function R(z): on y' = λy, y1 = R(hλ) y0
 real_limit | real limit: y' = -λy stays bounded for hλ up to
 imaginary_limit | imaginary limit: an oscillation of frequency ω stays bounded for hω up to
+imaginary_limit_within_digits | imaginary limit within the rounding of the coefficients
 a_stable | A-stable: y' = λy with Re λ <= 0 stays bounded for every h > 0
 sector | A(alpha)-stable: stable for |arg(-hλ)| < alpha
 l_stable | L-stable: A-stable, and R(z) -> 0 as z -> oo
-stability_within_digits | stability that the rounded coefficients allow
+stability_within_digits | A- and L-stability that the rounding of the coefficients does not exclude
 explicit_real_limit | real limit of the explicit part
 explicit_imaginary_limit | imaginary limit of the explicit part
+explicit_imaginary_limit_within_digits | imaginary limit of the explicit part within the rounding
 implicit_a_stable | implicit part A-stable
 implicit_l_stable | implicit part L-stable
-implicit_stability_within_digits | implicit part: stability that its rounded coefficients allow
+implicit_stability_within_digits | implicit part: A- and L-stability that its rounding does not exclude
 ssp_coefficient | SSP coefficient: largest monotone step, relative to forward Euler's
 
 Structure

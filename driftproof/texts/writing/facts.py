@@ -139,8 +139,9 @@ class _Text:
         return exact if _says_all(exact, digits) else f"{exact} = {digits}"
 
     def about(self, place: str, real: str, imaginary: str = "") -> str:
-        """A number without an exact form: a description and its decimal."""
-        return f"{place} = {real} + {imaginary}*I" if imaginary else f"{place} = {real}"
+        """A number without an exact form: a description and its decimal, which comes first if the other is long."""
+        digits = f"{real} + {imaginary}*I" if imaginary else real
+        return f"{place} = {digits}" if len(place) <= LONGEST_COEFFICIENT else f"{digits}, {place}"
 
     def complex_number(self, value: Imaginary | Complex) -> str:
         found = record(value)

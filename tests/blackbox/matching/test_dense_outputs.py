@@ -48,6 +48,27 @@ def weighted(weights):
     return extension_step("dormand_prince54_shampine", weights=weights)
 
 
+def afresh(**spoiled):
+    """The step that evaluates all its slopes anew for the dense output, each time it is asked."""
+    right, asked = extension_step("dormand_prince54_shampine"), extension_step("dormand_prince54_shampine", **spoiled)
+    return lambda f, t, y, h: (right(f, t, y, h)[0], lambda theta: asked(f, t, y, h)[1](theta))
+
+
+def test_calls_with_equal_arguments_are_one_stage():
+    found = judged(afresh())
+    assert (found.extension, found.order, found.faults) == ("dormand_prince54_shampine", 4, ())
+    (fault, *_) = judged(afresh(weights=but_the_last(lambda row: [*row[:-1], row[-1] + 1e-3]))).faults
+    assert fault == "the dense output is not y1 at theta = 1: the weight of call 6 is off by 0.001"
+
+
+def test_a_stage_moved_a_little_is_another_one():
+    def step(f, t, y, h):
+        near = f(t, y + 1e-12 * h * (k := f(t, y)))
+        return y + h * k, lambda theta: y + h * (theta * near + (1 - theta) * theta * k)
+
+    assert judged(step).faults[0] == "the dense output is not y1 at theta = 1: the weight of call 0 is off by -1"
+
+
 WRONG = {
     "moved too early": weighted(first_and_last_exchanged),
     "a wrong digit": weighted(but_the_last(lambda row: [*row[:-1], row[-1] + 1e-3])),

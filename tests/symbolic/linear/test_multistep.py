@@ -227,3 +227,16 @@ def test_facts_are_written_as_records():
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="a linear multistep method, and has no symplectic; choose from"):
         facts(FACTS_ONLY["bdf2"], only=["symplectic"]).json()
+
+
+@pytest.mark.parametrize(("key", "places"), [("adams_bashforth4", 16), ("cowell2", 12)])
+def test_digits_alone_keep_decimals_from_their_order(key, places):
+    """The twin has a wrong digit early; an exact method has no such order, and the residuals show one that has."""
+    method = FACTS_ONLY[key]
+    rounded = replace(method, sigma=tuple(round(x, places) for x in method.sigma), decimal=True)
+    wrong = replace(rounded, sigma=(rounded.sigma[0] + Q(1, 10**3), *rounded.sigma[1:]))
+    found = MultistepFacts(rounded).order_but_for_rounding
+    assert (MultistepFacts(rounded).order, found.order) == (0, method.claimed_order)
+    assert [*facts(rounded, only=["order"]).data] == ["order", "order_but_for_rounding"]
+    assert MultistepFacts(replace(rounded, decimal=False)).order_but_for_rounding == found
+    assert [MultistepFacts(x).order_but_for_rounding for x in (wrong, method)] == [None] * 2

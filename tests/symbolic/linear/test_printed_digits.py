@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction as Q
 from math import isqrt
+from pathlib import Path
 
 import pytest
 
@@ -13,7 +14,8 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.tables.collocation import radau_iia
 from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.facts import Facts
-from driftproof.symbolic.linear.printed_digits import stability_within_digits
+from driftproof.symbolic.linear.printed_digits import imaginary_limit_within_digits, stability_within_digits
+from driftproof.texts.questions.evaluate import value
 from driftproof.texts.writing.facts import fact_tex, fact_text
 
 
@@ -159,3 +161,49 @@ def test_unused_stages_and_exact_short_decimals_do_not_widen_the_balls() -> None
     assert found is not None
     assert found.l_stable
     assert found.limit_at_infinity == found.digits_allow == "0"
+
+
+def explicit(b: str, *rows: str) -> RungeKutta:
+    """An explicit table as it is printed, its rows left of the diagonal."""
+    a = tuple(tuple(Q(x) for x in [*row.split(), *["0"] * 9][: len(rows) + 1]) for row in ("", *rows))
+    return RungeKutta("mine", "mine", 4, "", a, tuple(map(Q, b.split())), tuple(map(sum, a)), decimal=True)
+
+
+# SSPRK(5,4) of spiteri-ruuth-2002, whose weights sum to 1 + 1e-15.
+SSP_54 = (
+    "0.146811876084787 0.248482909444976 0.104258830331981 0.274438900901351 0.226007483236906",
+    "0.39175222657189",
+    "0.217669096261169 0.368410593050371",
+    "0.082692086657811 0.139958502191895 0.251891774271694",
+    "0.067966283637115 0.115034698504632 0.207034898597386 0.544974750228521",
+)
+
+
+def test_explicit_table_keeps_its_imaginary_limit_within_its_digits() -> None:
+    """Its own R is 1 + z + ... + z⁴/24 + 0.00447771830307612 z⁵, where 1e-15 is as good as 0."""
+    found = Facts(table := explicit(*SSP_54))
+    assert (float(found.imaginary_limit), found.imaginary_limit_within_digits) == (0.0, "3.2784")
+    size = lambda y: abs(1 + 1j * y - y**2 / 2 - 1j * y**3 / 6 + y**4 / 24 + 0.00447771830307612j * y**5)
+    assert max(size(k / 1000) for k in range(100, 3278)) < 1 < size(3.2785)
+    assert [*facts(table, only=["imaginary_limit"]).data] == ["imaginary_limit", "imaginary_limit_within_digits"]
+
+
+def test_limit_that_is_not_lost_to_rounding_is_no_other() -> None:
+    """The twins: a wrong digit, a method whose limit is 0 in truth, one whose rounding stays inside, exact ones."""
+    wrong = explicit(SSP_54[0].replace("0.1468118", "0.1468128"), *SSP_54[1:])
+    heun = explicit("0.499999999999999 0.500000000000001", "1.00000000000001")
+    inside = explicit("0.16666666 0.33333333 0.33333333 0.16666666", "0.5", "0 0.5", "0 0 1")
+    assert [Facts(x).imaginary_limit_within_digits for x in (wrong, heun, inside, METHODS["rk4"])] == [None] * 4
+    assert imaginary_limit_within_digits(SHORT) is None
+    assert Facts(replace(explicit(*SSP_54), decimal=False)).imaginary_limit_within_digits == "3.2784", "as they show"
+
+
+def test_question_of_a_limit_that_has_one_within_the_digits_says_so(tmp_path: Path) -> None:
+    rows = ", ".join(f"[{', '.join(map(str, map(float, row)))}]" for row in explicit(*SSP_54).a)
+    path = tmp_path / "mine.toml"
+    lines = ('family = "runge_kutta"', "decimal = true", f"A = [{rows}]", f"b = [{SSP_54[0].replace(' ', ', ')}]")
+    path.write_text("\n".join(lines), encoding="utf-8")
+    assert str(value(f"imaginary_limit {path}")).endswith(
+        "rounded; imaginary_limit_within_digits ignores the rounding)"
+    )
+    assert str(value("imaginary_limit tsitouras54")).endswith("(PROVED; with the coefficients as rounded)")

@@ -154,6 +154,19 @@ def test_what_has_no_line_of_its_own_is_annotated_at_its_first_key(new, line, tm
     assert {found.partition(",")[0] for found in out.split("line=")[1:] if "::b." in found} == {str(line)}
 
 
+def test_answers_to_one_question_are_compared(tmp_path, run):
+    for name, question in (("old", "order rk4"), ("new", "order rk4 + 1"), ("stable", "a_stable rk4")):
+        (tmp_path / name).write_text(run("value", question, "--format", "json")[1], encoding="utf-8")
+    old, new, stable = (str(tmp_path / name) for name in ("old", "new", "stable"))
+    for path in (old, stable):
+        assert run("diff", path, path) == (0, f"{path} and {path} say the same\n", "")
+    assert "added    order rk4 + 1  5" in run("diff", old, new)[1]
+    document = json.loads(Path(old).read_text(encoding="utf-8"))
+    Path(new).write_text(json.dumps({**document, "exact": "5", "decimal": "5"}), encoding="utf-8")
+    status, out, _ = run("diff", old, new)
+    assert (status, out.splitlines()[0]) == (REFUTED, "value  order rk4  4 = 4.00000000000000 became 5")
+
+
 BAD = {
     "truncated": (b'{"values": ', "not JSON: Expecting value"),
     "list": (b"[]", "not a JSON object"),

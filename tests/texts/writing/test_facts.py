@@ -143,3 +143,13 @@ def test_twelve_items_400_characters_and_17_digits_are_shown():
     assert fact_text([Q(1, 3), Q(10**98, 3)]) == f"[1/3, 3.{'3' * 16}e97...]", "one of 101 characters"
     assert "..." not in fact_text(4 * [Q(10**97, 3)])
     assert fact_text([*4 * [Q(10**97, 3)], Q(1)]).count("...") == 4, "401 characters together"
+
+
+def test_the_decimal_comes_before_a_long_polynomial():
+    short, long = (
+        Facts(RungeKutta("m", "m", 0, "", ((0, 0, 0), (x, 0, 0), (0, x, 0)), (0, 0, 1), (0, x, x)))
+        for x in (Q(2, 5), Q(10**40 + 1, 2 * 10**40 + 7))
+    )
+    assert fact_text(short.real_limit).startswith(("the root of ", "a number in "))
+    assert fact_text(long.real_limit).split(", ")[1].startswith("the root of ")
+    assert float(fact_text(long.real_limit).split(", ")[0]) == float(long.real_limit)

@@ -1,0 +1,100 @@
+"""Claims of orders: those of every catalogue entry hold, those of a wrong table do not, whatever its family."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.symbolic.claimed_orders import unreached_orders
+from tests.looping import some
+
+
+def said(method, tolerance=None):
+    return [str(found) for found in unreached_orders(method, tolerance)]
+
+
+# Yoshida's last digits are wrong (docs/differences.md), but the table says that it is rounded.
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize("catalogue", [METHODS, FACTS_ONLY], ids=["of one state", "of facts"])
+def test_every_order_of_the_catalogue_is_reached(catalogue):
+    assert [said(method) for _, method in some(catalogue.items(), 20)] == [[]] * len(catalogue)
+
+
+OFF = Q(1, 100)
+WRONG = {
+    "runge_kutta": (replace(METHODS["rk4"], b=(Q(1, 6), Q(1, 3), Q(1, 3), Q(1, 7))), ["claimed order 4, has 0"]),
+    "embedded": (
+        replace(METHODS["heun_euler21"], b_embedded=(Q(1, 2) + OFF, Q(1, 2))), ["claimed embedded order 1, has 0"],
+    ),
+    "splitting": (
+        replace(METHODS["velocity_verlet"], parts=(("kick", Q(1, 2)), ("drift", 1), ("kick", Q(1, 3)))),
+        ["claimed order 2, has 0"],
+    ),
+    "nystrom": (replace(METHODS["nystrom4"], claimed_order=5), ["claimed order 5, has 4"]),
+    "collocation": (replace(METHODS["gauss9"], claimed_order=19), ["claimed order 19, has 18"]),
+    "multistep": (replace(FACTS_ONLY["bdf3"], sigma=(0, 0, 0, Q(6, 5))), ["claimed order 3, has 0"]),
+    "rosenbrock": (replace(FACTS_ONLY["ros2"], claimed_order=3), ["claimed order 3, has 2"]),
+    "additive": (
+        replace(FACTS_ONLY["ars443"], b_explicit=(*FACTS_ONLY["ars443"].b_explicit[:-1], OFF)),
+        ["claimed order 3, has 0"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("family", WRONG)
+def test_an_order_that_is_claimed_and_missed_is_named(family):
+    method, lines = WRONG[family]
+    assert said(method) == lines
+
+
+def test_what_claims_nothing_or_less_than_it_has_misses_nothing():
+    assert said(replace(METHODS["rk4"], claimed_order=0)) == said(replace(METHODS["rk4"], claimed_order=3)) == []
+
+
+def rounded(places, **change):
+    method, row = METHODS["rk4"], lambda numbers: tuple(round(x, places) for x in numbers)
+    return replace(method, b=row(method.b), **change)
+
+
+@pytest.mark.parametrize("decimal", [False, True])
+def test_rounding_alone_breaks_no_claim(decimal):
+    assert said(rounded(12, decimal=decimal)) == []
+    assert said(rounded(12, decimal=decimal, claimed_order=5)) == ["claimed order 5, has 4"]
+
+
+def test_a_table_of_four_digits_that_says_so_is_not_accused():
+    """Its residuals of 3e-5 do not jump to those of 8e-3; the twins say nothing of rounding, or miss by more."""
+    table = rounded(4, decimal=True)
+    assert said(table) == []
+    assert said(replace(table, decimal=False)) == ["claimed order 4, has 2"]
+    assert said(replace(table, b=(table.b[0] + Q(1, 5), *table.b[1:]))) == ["claimed order 4, has 0"]
+
+
+def test_a_mistake_in_the_middle_of_the_digits_is_no_rounding():
+    """Residuals of 1e-6 would be a rounding of six digits; only a table that says that it is rounded may mean that."""
+    table = rounded(12)
+    wrong = replace(table, b=(table.b[0] + Q(1, 10**6), *table.b[1:]))
+    why = "conditions up to 4 fail by 1.01e-6, more than its digits explain;"
+    assert said(wrong) == [f"claimed order 4, has 0: {why} decimal = true says that its coefficients are rounded"]
+    assert said(replace(wrong, decimal=True)) == said(wrong, Q(1, 10**5)) == []
+    assert said(wrong, Q(1, 10**7)) == said(wrong)
+
+
+def test_a_splitting_may_claim_its_order_on_second_order_problems():
+    """Authors of such methods do, and files cannot say so; rounded ones, too."""
+    method = METHODS["blanes_moan_rkn6a"]
+    assert said(replace(method, quadratic_kinetic=False)) == []
+    assert said(replace(method, claimed_order=8))[0].startswith("claimed order 8, has ")
+
+
+def test_tables_of_a_higher_order_than_is_tried_are_judged_by_their_first_residual():
+    a, b, _ = METHODS["gauss9"].tableau(200)
+    rows = tuple(tuple(round(x, 20) for x in row) for row in a)
+    table = replace(
+        METHODS["gauss2"], a=rows, b=tuple(round(x, 20) for x in b), c=tuple(map(sum, rows)), claimed_order=18
+    )
+    assert said(table) == []
+    assert said(replace(table, b=(table.b[0] + OFF, *table.b[1:]))) == ["claimed order 18, has 0"]
