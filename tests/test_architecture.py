@@ -83,12 +83,15 @@ NOT_ELSEWHERE = "sympy"
 # another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
 # What an author of methods found: dense outputs that evaluate slopes anew, 40; in symbolic digits of several lengths,
 # of every family, imaginary limits within digits and claimed orders that are not reached, 200; these in reports.
+# Four strangers once more: wrappers that are tried before they are shown, control inputs, systems of several numbers
+# that are built in and laws of step control, 450 in blackbox; affine problems, digits of components, gaps of stability
+# and accuracies of one's own, 320 in numeric, enclosure and reports; calculations, energies and no guesses, 250 in texts.
 BUDGETS = {
     "support": 1278,
     "methods": 5400,
     "symbolic": 10387,
     "numeric": 3962,
-    "blackbox": 20490,
+    "blackbox": 20503,
     "enclosure": 3584,
     "texts": 8768,
 }

@@ -1,6 +1,5 @@
 """Runs of multistep methods are those of programs in Fractions and in floats, with the first values that are named."""
 
-import math
 from fractions import Fraction as Q
 from itertools import islice
 
@@ -8,7 +7,6 @@ import pytest
 from flint import arb
 
 from driftproof.enclosure.multistep_runs import StartedMultistep
-from driftproof.methods.catalogue import METHODS
 from driftproof.methods.tables import multistep
 
 MULTISTEP = {method.key: method for method in multistep.ENTRIES}
@@ -57,7 +55,6 @@ def test_balls_enclose_the_fractions():
     ball = states("adams_bashforth4", [[arb(10 - n) / 10] for n in range(4)], 20, rate=decay)[-1][0]
     assert ball.contains(arb(exact.numerator) / exact.denominator)
     assert ball.rad() < 1e-9
-    assert math.isclose(float(ball.mid()), float(exact), rel_tol=1e-9)
 
 
 @pytest.mark.parametrize("key", ["adams_bashforth2", "bdf2", "bdf6"])
@@ -68,9 +65,3 @@ def test_radii_grow_by_no_more_than_the_bits_that_are_said_to_be_lost(key):
     *_, last = islice(run.states(lambda t, y: [arb(0)], first, Q(1), lambda y, *_: y), 30)
     assert radius <= last[0].rad() <= radius * 2.0 ** (run.bits_lost(30) + 1)
     assert (run.bits_lost(30) > 20) == (key != "adams_bashforth2")
-
-
-def test_methods_for_second_order_equations_are_refused():
-    assert StartedMultistep(MULTISTEP["bdf2"], METHODS["rk4"]).key == "bdf2"
-    with pytest.raises(ValueError, match="gives positions only"):
-        StartedMultistep(MULTISTEP["stormer2"], METHODS["rk4"])

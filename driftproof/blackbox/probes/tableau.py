@@ -18,7 +18,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 NO_POWER = -1
 # No method of the catalogue makes more calls in a step; a fixed number of iterations often does.
-MOST_SHOWN = 40
+MOST_CALLS_SHOWN = 40
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,9 @@ class TableauReading:
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         text = lambda x: coefficient_text(x, self.format, self.rounding.besides)
         rows = [f"{name} = {', '.join(map(text, row))}" for name, row in [*named, ("b", self.b)] if row]
-        rows = rows if self.calls <= MOST_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
+        rows = (
+            rows if self.calls <= MOST_CALLS_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
+        )
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]

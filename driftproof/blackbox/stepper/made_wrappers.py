@@ -25,6 +25,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     has_gradient,
     names_with_step,
+    parameters_of,
     required_names,
     role_of,
     word_of,
@@ -179,13 +180,23 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     method = "" if own == "__call__" else f".{own}"
     if sum(map(is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
+    with_size = names_with_step(cls) or []  # where a class is made with a step size that has a default, it is given
+    if STEP not in map(plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
+        names = with_size
     kind = kind_by_names((*names, *taken))
+    kind = FORCE if takes_force(names) and POSITION in map(plain_role, taken) else kind
     made = _Made(kind, cls, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    if kind == FORCE and {*made.call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
+        made = made._replace(call={x: "[q, v]" if text == "q" else text for x, text in made.call.items()})
     given, called = {*made.arguments.values()}, {*made.call.values()}
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
         return ""
-    if made.state <= called:
-        return made.fitted().line()
+    if made.state <= called or "[q, v]" in called:
+        made = made.fitted()
+        with suppress(Exception):
+            clock = attribute_of(made.new(_START[kind], 0.0), TIME) if "t" not in given | called else ""
+            made = made._replace(time=clock if made.state <= called else "")
+        return made.line()
     with suppress(Exception):
         kept = made.new(_START[kind], 0.0)
         places = [attribute_of(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]

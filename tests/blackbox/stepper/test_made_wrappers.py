@@ -153,6 +153,22 @@ class Env:
         x, v = self.state
         self.state = np.array([x + self.tau * v, v - self.tau * x])
 
+class Clocked:
+    def __init__(self, f, h):
+        self.f, self.h, self.t = f, h, 0.0
+    def step(self, y):
+        k = self.f(self.t, y)
+        self.t += self.h
+        return y + self.h / 2 * (k + self.f(self.t, y + self.h * k))
+
+class Whole:
+    def __init__(self, force, dt):
+        self.force, self.dt = force, dt
+    def advance(self, q):
+        x, v = q
+        v = v + self.dt * self.force(x)
+        return x + self.dt * v, v
+
 def pairs(f, y0, t0, t1, n):
     y, t, h = np.array(y0, float), t0, (t1 - t0) / n
     found = [y]
@@ -168,8 +184,7 @@ def states(f, y0, t0, t1, n):
 WRAPPED = {
     "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
     "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
-    "KeptDefault": "def wrapped(f, t, y, h): made = KeptDefault(f, y); made.t = t; made.dt = h; made.advance(); "
-    "return made.y",
+    "KeptDefault": "def wrapped(f, t, y, h): made = KeptDefault(f, y, h); made.t = t; made.advance(); return made.y",
     "KeptVerlet": "def wrapped(force, q, v, h): made = KeptVerlet(force, q, v, h); made.step(); return made.x, made.v",
     "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); ys = [y]; "
     "[ys.append(made(t + i * h, ys[-1])) for i in range(n)]; return ys",
@@ -201,6 +216,8 @@ WRAPPED = {
     '0.1), position="x", velocity="v", advance=lambda made, h: (setattr(made, \'dt\', h), made.step()))',
     "Flow": "from driftproof import field_stepper_of; wrapped = field_stepper_of(lambda f: Flow(f, 0.1), "
     'state="state", time="time", advance=lambda made, h: (setattr(made, \'dt\', h), made.update()))',
+    "Clocked": "def wrapped(f, t, y, h): made = Clocked(f, h); made.t = t; return made.step(y)",
+    "Whole": "def wrapped(force, q, v, h): return Whole(force, h).advance([q, v])",
     "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
     "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
 }
@@ -211,7 +228,12 @@ REMEMBERING = {
     **dict.fromkeys(("Stormer", "VerletPoint"), "stormer2"),
     "Leapfrog": "two_step_leapfrog",
 }
-OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston": "ralston2"}
+OTHERS = {
+    "KeptVerlet": "velocity_verlet",
+    "Ball": "symplectic_euler",
+    "Whole": "symplectic_euler",
+    "Ralston": "ralston2",
+}
 OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler") | dict.fromkeys(
     ("Moving", "Sampler"), OTHERS["Ball"]
 )
