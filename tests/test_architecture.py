@@ -59,33 +59,11 @@ WORLD: dict[str, tuple[str, ...]] = {
 }
 NOT_ELSEWHERE = "sympy"
 
-# Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
-# One function for each command, and answers that print, are 500 lines in support, methods, symbolic, texts and reports;
-# Tab completion, lines against silence, problems and stiff verdicts on the page are 300 more of the front, and 11 let a
-# result of a cluster survive its worker, and 2 keep a legend from being cut off.
-# The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
-# support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
-# methods the one grammar of expressions, the one number field, fields with several roots, step doubling; symbolic the
-# door of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
-# stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
-# a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
-# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; what
-# steps of one number, of a Jacobian and of a slope 0 show, 110, and errors per unit of time, solvers that need more and
-# wrappers of runs, coupled functions and classes, 140; verdicts on another system that is built in, 160, wrappers of
-# solvers in classes and of functions of a module, 380, less 400 that a reading of the house took out; texts what docs
-# and help show and the problems that a text states, 450, questions shown with what they lack, 10,
-# a draft that ends: its share done, and the solutions that it gave up, 26, and equations of
-# second order, parameters and tables as texts have them, 94; energies, what multiplies a derivative, and what
-# stands above a table, 120. Support imports what a user names, 31, which stood in blackbox; enclosure reads a problem's
-# table, 85, which stood in reports and half in texts.
-# What five strangers found wrong or missing: columns of a file by their names, 90, and messages with the names of f in
-# enclosure; reStructuredText, tables of spaces and values bound to their rows in texts, 370; solvers whose last step is
-# another and wrappers that hide nothing in blackbox, 125; files beside a text, floats of limits, near keys, 150.
-# What an author of methods found: dense outputs that evaluate slopes anew, 40; in symbolic digits of several lengths,
-# of every family, imaginary limits within digits and claimed orders that are not reached, 200; these in reports.
-# Four strangers once more: wrappers that are tried before they are shown, control inputs, systems of several numbers
-# that are built in and laws of step control, 450 in blackbox; affine problems, digits of components, gaps of stability
-# and accuracies of one's own, 320 in numeric, enclosure and reports; calculations, energies and no guesses, 250 in texts.
+# Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why:
+# `git log -L` of these lines tells. The goals are 400, 3500, 7300, 3000, 7500, 1600 and 4600, and 4200 for reports with
+# the front. What stands above them is, for the most part, what a verdict has to see so as to say no more than it saw
+# (blackbox: thirty families of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
+# may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1278,
     "methods": 5400,
