@@ -62,7 +62,7 @@ NOT_ELSEWHERE = "sympy"
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why:
 # `git log -L` of these lines tells. The goals are 400, 3500, 7300, 3000, 7500, 1600 and 4600, and 4200 for reports with
 # the front. What stands above them is, for the most part, what a verdict has to see so as to say no more than it saw
-# (blackbox: thirty families of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
+# (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1278,
