@@ -43,12 +43,12 @@ def test_a_template_that_is_a_circular_link_is_refused_in_one_line(refusal, tmp_
 @pytest.mark.slow
 def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "a.md.j2").write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")
+    (tmp_path / "a.md.j2").write_text('RK4: q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")
     assert answer("render", "a.md.j2") == "a.md: 1 value\n"
     assert answer("render", "a.md.j2", "--check") == "a.md is up to date with a.md.j2\n"
     (tmp_path / "claims.toml").write_text(answer("check", "a.md", "--init"), encoding="utf-8")
     assert answer("check", "a.md", "--claims", "claims.toml")
-    (tmp_path / "a.md").write_text("q = 0.877614\n", encoding="utf-8")
+    (tmp_path / "a.md").write_text("RK4: q = 0.877614\n", encoding="utf-8")
     assert run("render", "a.md.j2", "--check")[0] == run("check", "a.md", "--claims", "claims.toml")[0] == 1
 
 

@@ -31,7 +31,14 @@ from driftproof.methods.field_text import of_first_order
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, with_greek_spelled, with_time
+from driftproof.texts.questions.pieces import (
+    OWN_PI,
+    WORDS,
+    PieceParser,
+    with_greek_spelled,
+    with_powers_of_e,
+    with_time,
+)
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
@@ -80,6 +87,7 @@ def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
     question = of_first_order(with_greek_spelled(question))
     question = with_time(question, unknowns) if (unknowns := _UNKNOWNS.findall(question)) else question
+    question = with_powers_of_e(question, unknowns)
     if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]

@@ -39,6 +39,13 @@ def with_time(text: str, unknowns: Collection[str]) -> str:
     return text if "x" in unknowns else re.sub(r"(?<![^\W\d])(?!exp\b)[^\W\d]\w*", timed, text)
 
 
+def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
+    """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
+    power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"
+    found = unknowns and "e" not in unknowns
+    return re.sub(power, lambda to: f"exp({to[1] or to[2]})", text) if found else text
+
+
 @cache
 def _token() -> re.Pattern[str]:
     """A token of a question: also the prime of y', names of files, names in quotes, and titles with signs."""
@@ -107,7 +114,7 @@ class PieceParser(ExpressionParser):
         return tuple(found)
 
     def entry(self) -> Fraction | str:
-        """An entry of a start: a literal, or as text a product with pi or sqrt, such as -pi/4 or 2*sqrt(3)."""
+        """An entry of a start: a literal, or as text a product with pi, e, exp or sqrt, such as -pi/4 or 2*sqrt(3)."""
         first, depth = self.next, 0
         for count, token in enumerate(self.tokens[self.at :]):
             depth += (token.text == "(") - (token.text == ")")
@@ -115,7 +122,7 @@ class PieceParser(ExpressionParser):
             apart = count > 0 and token.column > before.end and not {token.text, before.text} & {*"*/-+"}
             if token.kind == END or depth < 0 or (not depth and (token.text in ",:" or apart)):
                 break
-        if not any(token.text in ("pi", "sqrt") for token in self.tokens[self.at : self.at + count]):
+        if not any(token.text in ("pi", "sqrt", "e", "exp") for token in self.tokens[self.at : self.at + count]):
             return self.literal("start")
         self.at += count
         return self.piece(first.column, self.tokens[self.at - 1].end).text

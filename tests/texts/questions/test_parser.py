@@ -48,7 +48,7 @@ REFUSED = [
     ("2 ** x", 6, "an exponent is an integer"), ("1e999999999", 1, "is too long"),
     ("2,5", 2, "or the end; a decimal has a point"),
     ("1,6 %", 5, "'%' is not allowed in a question; a percentage is percent(a, b)"),
-    ("run rk4 y'=e^t, y(0)=1, h=1, t=1 : y", 14, "or a decimal; write exp(t) for e^t"),
+    ("run rk4 rates=(e^t) from 1 h=1 t=1 : y0", 16, "or a decimal; write exp(t) for e^t"),
     ("rk4 y'=y, y(1)=1, h=1, t=1 : y", 13, "time starts at 0: write the initial value as y(0) = ..."),
     ("order rk4 rk4", 11, "unexpected 'rk4'; a colon and a readout may follow"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),

@@ -25,7 +25,7 @@ REFUSED = [
     ("step rk4 h=-: q", 13, "h: expected a number such as 1/4 or 0.25, found ':'"),
     ("step rk4 h=1/x : q", 13, "unexpected '/' in a number"),
     ("run rk4 y'=-y y(0)=3pi h=1 t=1 : y", 1, "start 3pi: unexpected 'pi'"),
-    ("run rk4 y'=-y y(0)=e h=1 t=1 : y", 20, "start: expected a number such as 1/4 or 0.25, found 'e'"),
+    ("run rk4 y'=-y y(0)=f h=1 t=1 : y", 20, "start: expected a number such as 1/4 or 0.25, found 'f'"),
     ("run rk4 y'=-y y(0)=sqrt(-3) h=1 t=1 : y", 1, "start sqrt(-3): a root of a negative number"),
     ("run rk4 h=1 t=1 from pi,0 : q", 1, "pi: the oscillator starts from rationals; with equations you may say pi"),
     ("run rk4 h=pi/50 N=100 : q", 11, f"expected a number such as 1/4 or 0.25, found 'pi'; {_ROUNDED}"),
@@ -85,3 +85,10 @@ def test_numbers_are_ascii_and_exact():
     for foreign in ("٣", "1²", "½", "１"):
         with pytest.raises(QuestionError, match="is not allowed"):
             value(foreign)
+
+
+def test_e_is_a_number_in_starts_and_the_base_of_powers_in_equations_unless_it_is_an_unknown():
+    run = "run rk4 y'={}, y(0)={}, h=0.1, t=1 : y"
+    for said, meant in ((("e^(-t)-y", "e"), ("exp(-t)-y", "exp(1)")), (("y*e**-t", "2*e"), ("y*exp(-t)", "2*exp(1)"))):
+        assert value(run.format(*said)).digits(20) == value(run.format(*meant)).digits(20)
+    assert value("run forward_euler e'=-e^2, e(0)=1/2, h=1, N=1 : e").exact == Q(1, 4)
