@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 3962,
     "blackbox": 20503,
     "enclosure": 3584,
-    "texts": 8783,
+    "texts": 8802,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5850
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -42,10 +42,11 @@ _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^
 # What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
-_PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
+_PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
 # What a text says about the first values of a multistep method.
 STARTING = re.compile(
-    r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))(?:(?![.;]\s)[^|()]){0,100}"
+    r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
+    r"(?:(?!\.\s|;\s(?!we\b))[^|()]){0,100}"
 )
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400

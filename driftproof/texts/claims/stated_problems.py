@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
@@ -77,6 +77,12 @@ class _Problem:
             return found
         return None
 
+    def going_on(self, other: _Problem) -> _Problem:
+        """The problem with the part about the other one, too, if that is the next part of the text."""
+        end = self.at + len(self.part)
+        goes_on = other.at <= end < other.at + len(other.part)
+        return replace(self, part=self.part + other.part[end - other.at :]) if goes_on else self
+
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
         part, n = with_greek_spelled(self.part.replace("| =", "=")), len(self.rates)
@@ -104,16 +110,18 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
     The methods, step sizes and times are those that the text names after the equations, the methods else those that it
     names anywhere; `column_of` gives the head of the column of a number.
     """
-    found, known = list[str](), dict[tuple[tuple[str, str], ...], str]()
+    found, known = list[tuple[_Problem, str]](), dict[tuple[tuple[str, str], ...], str]()
     for problem in _problems(text):
         rates = tuple(problem.rates.items())
         if rates not in known and len(known) == _MOST_PROBLEMS:
             continue
         # Where the equations stand again without a start, it is that of before.
-        if equations := problem.equations or known.get(rates):
+        if equations := (problem.equations or known.get(rates) if rates else None):
             known[rates] = equations
-            found += _questions(problem, equations, text, column_of)
-    return list(dict.fromkeys(found))
+            found.append((problem, equations))
+        else:  # an equation in passing does not end what is said of the problem before it
+            found = [(one.going_on(problem), equations) for one, equations in found]
+    return list(dict.fromkeys(chain.from_iterable(_questions(*one, text, column_of) for one in found)))
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
@@ -136,7 +144,10 @@ def parameters_in(text: str) -> set[str]:
 
 
 def _problems(text: str) -> Iterator[_Problem]:
-    """The systems of equations of the text, each with the text from a little before it to the next one."""
+    """The systems of equations of the text, each with the text from a little before it to the next one.
+
+    One that is not understood has no rates.
+    """
     systems, last, spelled = list[tuple[int, dict[str, str], dict[str, str]]](), len(text), with_greek_spelled(text)
     for match in _EQUATION.finditer(text):
         name, lead = with_greek_spelled(match["name"] or match["d"] or match["dd"]), _lead(text, match.start())
@@ -157,7 +168,7 @@ def _problems(text: str) -> Iterator[_Problem]:
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:
-            rated = re.compile(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")
+            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")  # also 0.4x'
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
             energies = [rated.sub(f"d{name}", energy) for energy in energies]
         part = text[:end]
@@ -175,6 +186,8 @@ def _problems(text: str) -> Iterator[_Problem]:
                 known.append(rates)
                 energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*names}), None)
                 yield _Problem(rates, part[begins:], begins, energy)
+        if not known:
+            yield _Problem({}, part[begins:], begins)
 
 
 def _lead(text: str, at: int) -> str | None:

@@ -201,9 +201,10 @@ class Suggestions:
                         digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
-                    if known.question.startswith(_LIMITS) and slip in others and digits > 3:
+                    limit = known.question.lstrip("-")
+                    if limit.startswith(_LIMITS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
-                        found |= {known.question: slip} if names_limit(known.question, *place) else {}
+                        found |= {known.question: slip} if names_limit(limit, *place) else {}
             if not found and digits > 2 and self._place_of(number).sure:
                 found = self._misplaced(number, first, digits)
         return {question: slip for question, slip in found.items() if question in meant} or found
@@ -213,13 +214,17 @@ class Suggestions:
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         found = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
+        runs = [_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question)]
         if not found and digits > 3:
             part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
-            runs = (_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question))
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
             found = {
                 x: y for x, y in named.items() if {(run := _SIZE.sub("", x)), run.rpartition(part)[0]} & others - {""}
             }
+        elif (
+            digits > 4 and runs and not self.tables.row_of(number)
+        ):  # it is what another method gives, far from its name
+            found = {x: y for x, y in found.items() if _SIZE.sub("", x) in runs}
         return found if len({*found.values()}) == 1 else {}
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:

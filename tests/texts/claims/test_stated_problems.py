@@ -50,6 +50,7 @@ def equations(text, form="plain"):
         ("dy/dx = x - y, y(0) = 1, at x = 1", "y'=t - y, y(0)=1"),
         ("x' = y, y' = -x, x(0) = y(0) = 1, to t = 1", "x'=y, y'=-x, x(0)=1, y(0)=1"),
         ("x' = 1 + x^2 y, y' = -x^2 y, (x, y) = (1, 2), t = 1", "x'=1 + x^2*y, y'=-x^2*y, x(0)=1, y(0)=2"),
+        ("x'' = -4x - 0.4x', x(0) = 1, x'(0) = 0; t = 1", "x'=dx, dx'=-4x - 0.4dx, x(0)=1, dx(0)=0"),
         ("y'' + 4y = 0, y(0) = 1, y'(0) = 0; t = 1", "y'=dy, dy'=-(4y) + 0, y(0)=1, dy(0)=0"),
         (
             "(d^2 u)/(dt^2) + 0.3du/dt - u + u^3 = 0, u(0) = 1.5, u'(0) = 0, t = 3",
@@ -339,3 +340,17 @@ def test_energy_is_what_the_text_calls_so_or_conserved(said, energy):
 def test_a_velocity_that_is_computed_is_no_equation():
     for zero, count in (("0", 2), ("0.777", 1), ("0.0", 2)):
         assert len([*equations_in(f"x'' = -4x with x' = {zero}")]) == count, zero
+
+
+def test_an_equation_in_passing_does_not_end_what_is_said_of_the_problem():
+    aside = "For y' = -λ y Euler is stable if h λ is at most 2."
+    asked = [stated(f"y' = -3 (y - t), y(0) = 1. {said} With h = 0.1 RK4 has y = 1 at t = 1.") for said in (aside, "")]
+    assert [one for one in asked[0] if "rk4" in one] == [
+        one.replace("{rk4}", "{forward_euler,rk4}") for one in asked[1][1:]
+    ]
+    other = aside.replace("Euler", "y(0) = 2: Euler")
+    assert not [
+        one
+        for one in stated(f"y' = -3 (y - t), y(0) = 1. {other} λ = 2 and RK4 with h = 0.1 at t = 1")
+        if "-3" in one and "run" in one
+    ]

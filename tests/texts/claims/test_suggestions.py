@@ -378,3 +378,32 @@ def test_columns_for_numbers_of_steps_give_their_step_sizes_beside_one_in_the_te
     suggestions, numbers = Suggestions(text), numbers_in(text)[-2:]
     assert [suggestions.look_alikes(x)[0].strong for x in numbers] == [True, True]
     assert ["h=0.5," in suggestions.look_alikes(x)[0].question for x in numbers] == [True, False]
+
+
+def test_an_ambiguous_name_is_of_all_its_methods_and_no_slip_of_another():
+    text = "For y' = t - y^2, y(0) = 1 and h = 0.1, the explicit midpoint method has y = {} at t = 2.\n"
+    text += "Ralston's has y = {} at t = 2."
+    run = "run {} y'=t - y^2, y(0)=1, h=0.1, t=2 : y"
+    text = text.format(*(value(run.format(key)).places(6) for key in ("midpoint2", "ralston2")))
+    suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if len(x.text) > 6]
+    assert [suggestions.look_alikes(x)[0].strong for x in numbers] == [True, True]
+    assert not any(map(suggestions.slips, numbers))
+
+
+@pytest.mark.parametrize("said", ["It has", "Heun has"])
+def test_what_another_method_of_the_text_gives_is_no_slip_where_its_name_is_far(said):
+    text = (
+        "We solve y' = 0.8 y (1 - y/5), y(0) = 0.5 with h = 0.25. The two-step Adams-Bashforth method needs a starting "
+        f"value; we take one step of Heun. {said} y = 3.667272 at t = 4."
+    )
+    suggestions, number = Suggestions(text), next(x for x in numbers_in(text) if x.text == "3.667272")
+    assert not suggestions.slips(number)
+    assert suggestions.look_alikes(number)[0].strong == (said == "It has")
+
+
+def test_a_limit_with_a_minus_has_slips_too():
+    for text, right in (
+        ("RK4's real stability interval ends at -2.7583.", "-2.7853"),
+        ("RK4's real limit is 2.7583.", "2.7853"),
+    ):
+        assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [right]
