@@ -117,8 +117,9 @@ def test_workers_write_the_same_folder(run, tmp_path):
     pytest_in(tmp_path, "-p", "xdist", "-n", "2", "--driftproof-report=found")
     paths = [path.name for path in run[1].iterdir()]
     assert len(paths) == 6
-    for path in paths:
-        assert (tmp_path / "found" / path).read_text() == (run[1] / path).read_text()
+    plain = lambda text: re.sub(r"no answer within [0-9.]+ s|the 0.5 s [^:]*: stopped after [0-9.]+ s", "hangs", text)
+    for path in paths:  # which limit of time stops a step that hangs depends on the machine
+        assert plain((tmp_path / "found" / path).read_text()) == plain((run[1] / path).read_text())
 
 
 ALIKE = f"""
