@@ -45,12 +45,20 @@ _CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order"
 class FactSheet(Printable):
     """Facts by name, in brackets or as attributes, each derived when it is asked for; `only` names those printed."""
 
-    _tolerance: Fraction | None = None
-
     def __init__(
-        self, derive: _Derive, only: Sequence[str], *, grouped: bool = True, claims_of: Entry | None = None
+        self,
+        derive: _Derive,
+        only: Sequence[str],
+        *,
+        grouped: bool = True,
+        claims_of: Entry | None = None,
+        tolerance: Fraction | None = None,
     ) -> None:
-        """Derive nothing yet. `grouped` is False for facts about something other than a method."""
+        """Derive nothing yet. `grouped` is False for facts about something other than a method.
+
+        The orders that `claims_of` claims are examined, to the tolerance if there is one.
+        """
+        self._tolerance = tolerance
         self._derive, self._only, self._grouped = derive, tuple(only), grouped and not only
         self._claims_of = None if only and not {*only} & {*_CLAIMED} else claims_of
 
@@ -113,8 +121,8 @@ class MethodFacts(FactSheet, Facts):
     def __init__(self, method: Method, only: Sequence[str], tolerance: ExactNumber | None, terms: int) -> None:
         """Derive nothing yet; `terms` is the length of series."""
         Facts.__init__(self, method, terms)
-        FactSheet.__init__(self, self._by_name, only, claims_of=method)
-        self._tolerance = None if tolerance is None else exact_number(tolerance, "order tolerance")
+        given = None if tolerance is None else exact_number(tolerance, "order tolerance")
+        FactSheet.__init__(self, self._by_name, only, claims_of=method, tolerance=given)
 
     @cached_property
     def order_to_tolerance(self) -> OrderWithin | None:
@@ -191,9 +199,8 @@ def facts(
     if isinstance(subject, FactsOnly):
         if system:
             raise ValueError(f"{subject.key} is {subject.kind}; `system` does not work with it")
-        sheet = FactSheet(lambda asked: facts_only(subject, asked, tolerance), names, claims_of=subject)
-        sheet._tolerance = tolerance
-        return sheet
+        derive: _Derive = lambda asked: facts_only(subject, asked, tolerance)
+        return FactSheet(derive, names, claims_of=subject, tolerance=tolerance)
     if system is None:
         return MethodFacts(subject, names, tolerance, terms)
     if tolerance is not None:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.blackbox.probes import scripted_answers as scripted
 from driftproof.blackbox.probes.coefficients import coefficient_text
-from driftproof.blackbox.probes.tableau import MOST_CALLS_SHOWN, StageSolution, is_explicit
+from driftproof.blackbox.probes.tableau import StageSolution, is_explicit, unless_long
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 from driftproof.symbolic.rounding.formats import FloatFormat
@@ -100,8 +100,7 @@ class ForceReading:
         rows = [("c", self.c), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows += [("b_position", self.b_position), ("b_velocity", self.b_velocity)]
         lines = [f"{name} = {', '.join(map(self._text, row))}" for name, row in rows if row]
-        if self.calls > MOST_CALLS_SHOWN:
-            lines = [f"A, b and c are not shown: a step makes {self.calls} calls"]
+        lines = unless_long(lines, self.calls)
         if self.parts is not None:
             steps = ", ".join(f"{kind} {coefficient_text(x, self.format)}" for kind, x in self.parts)
             lines = [f"sub-steps: {steps or 'none'}"]

@@ -18,7 +18,12 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 NO_POWER = -1
 # No method of the catalogue makes more calls in a step; a fixed number of iterations often does.
-MOST_CALLS_SHOWN = 40
+_MOST_SHOWN = 40
+
+
+def unless_long(lines: list[str], calls: int) -> list[str]:
+    """The lines of a table, or what is said in their place if a step makes too many calls."""
+    return lines if calls <= _MOST_SHOWN else [f"A, b and c are not shown: a step makes {calls} calls"]
 
 
 @dataclass(frozen=True)
@@ -106,9 +111,7 @@ class TableauReading:
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         text = lambda x: coefficient_text(x, self.format, self.rounding.besides)
         rows = [f"{name} = {', '.join(map(text, row))}" for name, row in [*named, ("b", self.b)] if row]
-        rows = (
-            rows if self.calls <= MOST_CALLS_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
-        )
+        rows = unless_long(rows, self.calls)
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]

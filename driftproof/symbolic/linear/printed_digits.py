@@ -85,7 +85,7 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
     """
     if method.field or method.explicit:
         return None
-    exact, places = stability_function(method), max(_digits(x) for row in (*method.a, method.b) for x in row)
+    exact, places = stability_function(method), _longest(method)
     with ctx.workprec(4 * places + SPARE_BITS):
         num, den = _in_balls(method, places)
         if num.degree() > den.degree() or den[den.degree()].contains(0):
@@ -111,7 +111,7 @@ def imaginary_limit_within_digits(method: RungeKutta) -> str | None:
     """
     if method.field or not method.explicit:
         return None
-    places = max(_digits(x) for row in (*method.a, method.b) for x in row)
+    places = _longest(method)
     with ctx.workprec(4 * places + SPARE_BITS):
         low, high = _margins(*_in_balls(method, places))
     square = nonnegative_limit(high)
@@ -137,6 +137,11 @@ def decimal_roundings(coefficients: Iterable[Exact]) -> Callable[[Exact], Fracti
     rounded = [x for x in row if 2 * _digits(x) >= longest]
     coarsest = Fraction(0) if None in map(_places, rounded) else max(_rounding(x, longest) for x in rounded)
     return lambda x: coarsest if 2 * _digits(x) >= longest else Fraction(0)
+
+
+def _longest(method: RungeKutta) -> int:
+    """The most digits of an entry of A or b, on which R depends."""
+    return max(_digits(x) for row in (*method.a, method.b) for x in row)
 
 
 def _digits(x: Exact) -> int:

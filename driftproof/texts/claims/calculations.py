@@ -9,6 +9,7 @@ from typing import NamedTuple
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.pieces import with_roots_spelled
 
 # Numbers, brackets, roots and signs, with a sign of equality behind; what stands before is no part of a longer formula.
 _CALCULATION = re.compile(
@@ -39,8 +40,7 @@ def calculations_in(text: str) -> list[Calculation]:
     for match in _CALCULATION.finditer(text):
         if len(match[0]) <= _LONGEST and _OPERATOR.search(match[0]) and not _LONGER.search(text[: match.start()][-8:]):
             question = re.sub("[·×]", "*", match[0]).replace("^", "**").replace("{", "(").replace("}", ")")
-            question = re.sub(r"√([0-9.]+)", r"sqrt(\1)", question).replace("√(", "sqrt(")
-            question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", question)
+            question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", with_roots_spelled(question))
             with suppress(QuestionError):
                 found.append(Calculation(match.start(), match.start("result"), question, value(question)))
     return found

@@ -83,8 +83,7 @@ class _Member:
             setting = None
         if number.start in equations:
             strong, setting = False, equations[number.start]
-        for done in suggestions.calculated.values():
-            setting = done.start if done.start <= number.start < done.result else setting
+        setting = suggestions.in_calculation.get(number.start, setting)
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
     @property

@@ -18,7 +18,7 @@ from driftproof.texts.claims.contradictions import STARTING, TIME_UNIT, methods_
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
-from driftproof.texts.questions.pieces import with_greek_spelled, with_time
+from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
 from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
@@ -344,7 +344,7 @@ def _first(rate: str) -> str:
 def _plain(formula: str) -> str:
     """A formula of a text as a question has it: sqrt, exp and brackets spelled out."""
     formula = formula.replace("π", "pi").replace("·", "*").replace("[", "(").replace("]", ")")
-    formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
+    formula = with_roots_spelled(formula)
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
     formula = re.sub(r"(\^[0-9]+) (?=(?:d?[A-Za-z]|[A-Za-z]+_\w)\b|\()", r"\1*", formula)  # x^2 y

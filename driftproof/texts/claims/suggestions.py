@@ -101,6 +101,8 @@ class Suggestions:
         self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
+        calculations = self.calculated.values()
+        self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
         self.stated = stated_questions(text, self.tables.column_of)
         if any(" started=" in one for one in self.stated):
             self._lower = without_starters(self._lower)
@@ -188,7 +190,7 @@ class Suggestions:
         if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
-            right = any(known.stated for one in alike for known in self._known if known.question == one.question)
+            right = any(one.question in self._stated_values for one in alike)
             other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
@@ -221,9 +223,8 @@ class Suggestions:
             found = {
                 x: y for x, y in named.items() if {(run := _SIZE.sub("", x)), run.rpartition(part)[0]} & others - {""}
             }
-        elif (
-            digits > 4 and runs and not self.tables.row_of(number)
-        ):  # it is what another method gives, far from its name
+        elif digits > 4 and runs and not self.tables.row_of(number):
+            # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if _SIZE.sub("", x) in runs}
         return found if len({*found.values()}) == 1 else {}
 
@@ -251,6 +252,11 @@ class Suggestions:
             row = self.tables.row_of(number)
             self._places[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
         return self._places[number.start]
+
+    @cached_property
+    def _stated_values(self) -> set[str]:
+        """The questions of all values that are about stated problems."""
+        return {known.question for known in self._known if known.stated}
 
     @cached_property
     def _sizes(self) -> set[Fraction]:

@@ -39,6 +39,11 @@ def with_time(text: str, unknowns: Collection[str]) -> str:
     return text if "x" in unknowns else re.sub(r"(?<![^\W\d])(?!exp\b)[^\W\d]\w*", timed, text)
 
 
+def with_roots_spelled(text: str) -> str:
+    """The text with sqrt(2) for √2 and sqrt( for √(."""
+    return re.sub(r"√([0-9]+\.[0-9]+|\w+)", r"sqrt(\1)", text).replace("√(", "sqrt(")
+
+
 def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
     """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
     power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"

@@ -68,10 +68,12 @@ class QueryContext:
 
     def method(self) -> Method:
         """The method that the query names. Raises QuestionError for a family without a value of its parameter."""
+        return self._of_one_step(self.subject())
+
+    def _of_one_step(self, subject: Method | Family | FactsOnly) -> Method:
         from driftproof.methods.families import Family
         from driftproof.methods.tableau_file import method_of
 
-        subject = self.subject()
         if isinstance(subject, Family):
             reason = f"{subject.key} is a family of methods; choose one with at and a value of {subject.parameter}"
             raise self.error(self.query.subject, reason)
@@ -88,7 +90,7 @@ class QueryContext:
         if not isinstance(found, Multistep):
             if started is not None:
                 raise self.error(started, "started=METHOD is for multistep methods; others start by themselves")
-            return self.method()
+            return self._of_one_step(found)
         if started is None:
             hint = self.ask_for(" started=rk4" + " h=0.1 t=1" * (not self.query.settings), "error")
             more = counted(found.steps - 1, "more value")
