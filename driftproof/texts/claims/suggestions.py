@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -50,12 +51,17 @@ _MOST_BITS = 256
 _SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
+# Characters between two numbers that are said of one run: about two sentences.
+_BESIDE = 200
 
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
 
 # A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
+_TIME = re.compile(r"\bt=[^\s,:]+")
+_METHOD, _READOUT = re.compile(r"(?<=^run )\S+"), re.compile(" : .*")
+_ANY = re.compile(f"{_SIZE.pattern}|{_METHOD.pattern}")
 
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
@@ -207,7 +213,7 @@ class Suggestions:
                     if limit.startswith(_LIMITS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
-            if not found and digits > 2 and self._place_of(number).sure:
+            if not found and digits > 2:
                 found = self._misplaced(number, first, digits)
         return {question: slip for question, slip in found.items() if question in meant} or found
 
@@ -217,6 +223,7 @@ class Suggestions:
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         found = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         runs = [_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question)]
+        sure = self._place_of(number).sure
         if not found and digits > 3:
             part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
@@ -226,7 +233,54 @@ class Suggestions:
         elif digits > 4 and runs and not self.tables.row_of(number):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if _SIZE.sub("", x) in runs}
+        found = (found or self._out_of_step(number, named, digits)) if sure else {}
+        if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
+            found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
+
+    def _out_of_step(self, number: TextNumber, named: Mapping[str, str], digits: int) -> dict[str, str]:
+        """The values that the place names, if the number is the one a step before or after it."""
+        found = dict[str, str]()
+        for question, spelling in named.items() if digits > 3 else ():
+            h, t = (next(map(Fraction, SETTING[x].findall(question)), None) for x in "ht")
+            for other in (t - h, t + h) if h and t else ():
+                there = _TIME.sub(f"t={other}", question)
+                with suppress(ValueError):
+                    if other > 0 and spelled(number) in form_of(number).spellings(self._limited(there, _EFFORT)):
+                        found[question] = spelling
+        return found
+
+    def _misfit(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
+        """The values that the place names, if they are of the kind of those beside the number.
+
+        Those are half of its column, at least two, of the same method or another; or outside tables the nearest one
+        written alike, of the same run or, with a value not twice or half of it, of another method.
+        """
+        column, exact = bool(self.tables.row_of(number)), self._place_of(number).quantity == "exact"
+        beside = sorted(self._company[self.tables.column_place(number)], key=lambda x: abs(x.start - number.start))[1:]
+        if not column:
+            alike = [x for x in beside if abs(x.start - number.start) < _BESIDE and form_of(x) == form_of(number)]
+            beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
+        held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
+        for other in (_SIZE, _ANY) if column else (_READOUT, _METHOD):
+            kinds = Counter(other.sub("", question) for question in held)
+            least = max(2, len(beside) // 2) if column else 1
+            found = {x: y for x, y in named.items() if kinds[other.sub("", x)] >= least}
+            found = {x: y for x, y in found.items() if exact or not x.startswith("exact ")}
+            if other is _METHOD:
+                found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
+            if found:
+                return found
+        return {}
+
+    @cached_property
+    def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
+        """The numbers of each column of a table, and those outside tables."""
+        found = defaultdict[tuple[int, int], list[TextNumber]](list)
+        for number in numbers_in(self.text):
+            if number.label is None:
+                found[self.tables.column_place(number)].append(number)
+        return found
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""

@@ -46,6 +46,14 @@ class TextTables:
             self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
         return self._rows[start]
 
+    def column_place(self, number: TextNumber) -> tuple[int, int]:
+        """Where the number's table begins, and which column it stands in; (-1, -1) outside tables."""
+        column = next((i for i, cell in enumerate(self.row_of(number)) if cell.start <= number.start < cell.end), -1)
+        start = self._text.rfind("\n", 0, number.start) + 1
+        while start and _CELL.search(self._text, begin := self._text.rfind("\n", 0, start - 1) + 1, start):
+            start = begin
+        return (start, column) if column >= 0 else (-1, -1)
+
     def _cells(self, row: str, start: int) -> Iterator[Cell]:
         heads, below = dict[int, str](), list[str]()
         above = self._text[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")

@@ -407,3 +407,50 @@ def test_a_limit_with_a_minus_has_slips_too():
         ("RK4's real limit is 2.7583.", "2.7853"),
     ):
         assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [right]
+
+
+DECAY = "y' = -y, y(0) = 2, h = 0.25.\n\n| t | Euler | error |\n"
+
+
+def _decay(t, readout):
+    return value(f"run forward_euler y'=-y, y(0)=2, h=0.25, t={t} : {readout}").places(4)
+
+
+@pytest.mark.parametrize(("rows", "slips"), [(("0.5", "0.75", "1"), ["1.1250"]), (("1",), [])])
+def test_a_number_far_from_what_its_place_names_is_a_slip_where_the_rest_of_its_column_is_right(rows, slips):
+    text = DECAY + "".join(f"| {t} | {_decay(t, 'y')} | {_decay(t, 'error')} |\n" for t in rows)
+    for wrong in ("1.9871", "0.0112"):
+        suggestions = Suggestions(
+            text.replace(_decay("0.5", "y"), wrong).replace("| 1 | 0.6328", f"| 1 | {_decay('1', 'y')}")
+        )
+        found = [slip for x in numbers_in(suggestions.text) for slip in suggestions.slips(x).values()]
+        assert found == slips, wrong
+
+
+@pytest.mark.parametrize(("of", "slips"), [("0.75", ["0.6328"]), ("2", [])])
+def test_what_a_run_has_a_step_before_or_after_the_time_of_the_place_is_a_slip(of, slips):
+    text = f"y' = -y, y(0) = 2. With h = 0.25, Euler has y = {_decay(of, 'y')} at t = 1."
+    found = Suggestions(text).slips(next(x for x in numbers_in(text) if len(x.text) > 5))
+    assert [*found.values()] == slips
+
+
+TOGETHER = "x' = v, v' = -4x, x(0) = 1, v(0) = 0. With h = 0.1 at t = 1 Heun's method has x = {} and v = {}; {}."
+
+
+@pytest.mark.parametrize(
+    ("v", "rest", "slips"),
+    [
+        ("-3.4", "", 0),  # too few digits
+        ("-1.12345", "", 1),
+        (None, "RK4 has -1.23712", 1),
+        (None, "RK4 has 12.5371", 0),  # written otherwise
+        (None, "cos 1 is 0.54030", 0),  # another value
+        (None, "RK4 took 0.41231 s", 0),
+    ],
+)
+def test_beside_a_value_of_the_same_run_or_of_another_method_a_number_far_from_its_own_is_a_slip(v, rest, slips):
+    x, right = (value(f"run heun2 x'=v, v'=-4x, x(0)=1, v(0)=0, h=0.1, t=1 : {name}").places(5) for name in "xv")
+    text = TOGETHER.format(x, v or right, rest)
+    suggestions = Suggestions(text)
+    found = [slip for number in numbers_in(text) for slip in suggestions.slips(number).values()]
+    assert len(found) == slips, found
