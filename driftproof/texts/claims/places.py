@@ -51,6 +51,15 @@ _HEADS = {
     "t": rf"t(?:_[ni])?|t_\{{?n\}}?|time|{TIME_UNIT}s?",
     "n": r"n|(?:number of |n_?)?steps",
 }
+# Fact of a method -> what the head of its column says.
+_FACTS = {
+    "stages": r"stages?\b",
+    "error_constant": r"error constant",
+    "imaginary_limit": r"imaginary\b",
+    "real_limit": r"(?:negative )?real\b",
+    "order": r"(?:order|p\Z)\b",
+}
+_PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns of a table have them.
 _SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
@@ -135,7 +144,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
-    if not _QUANTITY.search(head) and (methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)):
+    if leaves_quantity(head):
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
@@ -153,13 +162,16 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
+    if re.search(r"\bdivide[sd]?\b.* by \Z", before):
+        quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
     if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
-    if quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes is not said
-        settings.pop("h", None)
+    if quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes it is, said as from 0.2 to 0.1
+        pair = _PAIR.search(before)
+        settings = {x: y for x, y in settings.items() if x != "h"} | ({"h": Fraction(pair[2])} if pair else {})
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" | ".join(cell.text for cell in row))
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
@@ -203,6 +215,17 @@ def _settings(
         settings["h"] = settings["t"] / counts[0]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)
+
+
+def fact_in_column(head: str) -> str | None:
+    """The fact about methods that a column with this head, in lower case, gives."""
+    return next((fact for fact, said in _FACTS.items() if re.match(said, head)), None)
+
+
+def leaves_quantity(head: str) -> bool:
+    """True if the head of a column names a method or a step size, so that what is read stands above the table."""
+    named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
+    return bool(named) and not _QUANTITY.search(head)
 
 
 def is_head_of(setting: str, head: str) -> bool:

@@ -23,7 +23,7 @@ from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit, without_starters
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.claims.places import Place, place_of
+from driftproof.texts.claims.places import Place, asked_quantity, fact_in_column, leaves_quantity, place_of
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.claims.stated_problems import stated_questions
 from driftproof.texts.claims.tables import TextTables
@@ -39,9 +39,9 @@ _USUAL_STEPS = ("1/4", "1/2", "1/10")
 _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
 _STEP_READOUTS = ("q", "v", "energy")
 _LIMITS = ("imaginary_limit", "real_limit", "angle")
-_USUAL_FACTS = (*_LIMITS, "order", "error_constant", "limit_at_infinity")
+_USUAL_FACTS = (*_LIMITS, "order", "stages", "error_constant", "limit_at_infinity")
 # Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
-_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 2
+_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 2
 _LONGEST_RUN = 10_000
 # Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
 _EFFORT = 1 / 20
@@ -60,7 +60,10 @@ _NEAR = Fraction(1, 100)
 # A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 _TIME = re.compile(r"\bt=[^\s,:]+")
-_METHOD, _READOUT = re.compile(r"(?<=^run )\S+"), re.compile(" : .*")
+_READOUT = re.compile(" : .*")
+_METHOD = re.compile(
+    "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
+)
 _ANY = re.compile(f"{_SIZE.pattern}|{_METHOD.pattern}")
 
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
@@ -139,20 +142,22 @@ class Suggestions:
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
-        placed = place.sure and any(known.stated for known in meant)
+        placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
-            rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
+            here = [x for x in possible if digits < 3 or not x.keys or x.keys & place.methods]
+            rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            denied |= known.stated and place.denies(known.question)
+            denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             elsewhere = placed and known.stated and known not in meant
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits
             strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
             named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
-            strong = strong and (asked or named)  # no guess
+            guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
+            strong = known.question == fact if fact else strong and not guessed
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
@@ -160,6 +165,17 @@ class Suggestions:
             last = known.answer.exact != x, unpublished, len(known.question), known.question
             found.append(((*order, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+
+    def _fact_at(self, number: TextNumber) -> str | None:
+        """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
+        cell, methods = self.tables.cell_of(number), self._place_of(number).methods
+        fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
+        if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
+            fact = "angle"
+        if not fact or len(methods) != 1:
+            return None
+        (method,) = methods  # the stages of a splitting are counted in several ways
+        return None if fact == "stages" and isinstance(METHODS.get(method), Splitting) else f"{fact} {method}"
 
     def nowhere(self) -> list[Missed]:
         """The asked questions that no number matches strongly, the answers, and numbers that may mean them.
@@ -213,7 +229,9 @@ class Suggestions:
                     if limit.startswith(_LIMITS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
-            if not found and digits > 2:
+            if (fact := self._fact_at(number)) in first:
+                found |= self._misfit(number, {fact: first[fact]})
+            elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
         return {question: slip for question, slip in found.items() if question in meant} or found
 
@@ -262,9 +280,9 @@ class Suggestions:
             alike = [x for x in beside if abs(x.start - number.start) < _BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
         held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
+        least = max(2, len(beside) // 2) if column else 1
         for other in (_SIZE, _ANY) if column else (_READOUT, _METHOD):
             kinds = Counter(other.sub("", question) for question in held)
-            least = max(2, len(beside) // 2) if column else 1
             found = {x: y for x, y in named.items() if kinds[other.sub("", x)] >= least}
             found = {x: y for x, y in found.items() if exact or not x.startswith("exact ")}
             if other is _METHOD:
@@ -303,9 +321,39 @@ class Suggestions:
 
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
-            row = self.tables.row_of(number)
-            self._places[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
+            place, table = self._named_at(number), self.tables.column_place(number)[0]
+            if table >= 0 and self.stated and leaves_quantity(self.tables.column_of(number)):
+                place = replace(place, quantity=self._quantities.get(table, place.quantity))
+            self._places[number.start] = place
         return self._places[number.start]
+
+    def _named_at(self, number: TextNumber) -> Place:
+        return place_of(self._lower, number.start, number.end, self.tables.row_of(number), self._unknowns)
+
+    @cached_property
+    def _quantities(self) -> dict[int, str]:
+        """What a table gives whose heads do not say it, by where it begins: half of its numbers, at least 3, say it."""
+        tables = defaultdict[int, list[TextNumber]](list)
+        for (table, _), numbers in self._company.items():
+            tables[table] += [x for x in numbers if leaves_quantity(self.tables.column_of(x))]
+        found = dict[int, str]()
+        for table, numbers in tables.items():
+            tally = Counter(quantity for x in numbers for quantity in self._quantities_of(x))
+            quantity, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
+            if count >= max(3, len(numbers) / 2):
+                found[table] = quantity
+        return found
+
+    def _quantities_of(self, number: TextNumber) -> set[str]:
+        """The quantities of which the number has a value that its row and head name, if it has three digits."""
+        place = self._named_at(number)
+        alike = self._written(form_of(number)).get(spelled(number), ()) if len(digits_of(number.text)) > 2 else ()
+        stated = {known.question: asked_quantity(known.question)[0] for known in alike if known.stated}
+        return {
+            q
+            for known in alike
+            if (q := stated.get(known.question)) and replace(place, quantity=q).means(known.question, known.keys)
+        }
 
     @cached_property
     def _stated_values(self) -> set[str]:

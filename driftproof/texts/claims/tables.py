@@ -36,7 +36,11 @@ class TextTables:
 
     def column_of(self, number: TextNumber) -> str:
         """The head of the number's column in a table, in lower case; "" for other numbers."""
-        return next((cell.head for cell in self.row_of(number) if cell.start <= number.start < cell.end), "")
+        return cell.head if (cell := self.cell_of(number)) else ""
+
+    def cell_of(self, number: TextNumber) -> Cell | None:
+        """The cell of a table that the number stands in, None outside tables."""
+        return next((cell for cell in self.row_of(number) if cell.start <= number.start < cell.end), None)
 
     def row_of(self, number: TextNumber) -> list[Cell]:
         """The cells of the number's row in a table; [] outside tables."""
@@ -48,7 +52,8 @@ class TextTables:
 
     def column_place(self, number: TextNumber) -> tuple[int, int]:
         """Where the number's table begins, and which column it stands in; (-1, -1) outside tables."""
-        column = next((i for i, cell in enumerate(self.row_of(number)) if cell.start <= number.start < cell.end), -1)
+        cell = self.cell_of(number)
+        column = self.row_of(number).index(cell) if cell else -1
         start = self._text.rfind("\n", 0, number.start) + 1
         while start and _CELL.search(self._text, begin := self._text.rfind("\n", 0, start - 1) + 1, start):
             start = begin

@@ -69,7 +69,7 @@ def test_so_many_methods_steps_and_times_are_asked_of_and_no_more():
     given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "htN" for n in range(2, 9)]
     text = " ".join([*METHODS, *given])
     asked = [question.split() for question in Suggestions(text)._questions()]
-    assert [len({words[1] for words in asked if words[0] == kind}) for kind in ("order", "run")] == [12, 6]
+    assert [len({words[1] for words in asked if words[0] == kind}) for kind in ("order", "run")] == [20, 6]
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
     assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3", "N=2", "N=3"}
     after_n, at_t = ({words[-1] for words in asked if given in words} for given in ("N=2", "t=2"))
@@ -187,7 +187,7 @@ def test_the_head_of_a_column_says_which_fact_a_digit_is_and_an_interval_may_be_
     suggestions = Suggestions(text)
     numbers = [x for x in numbers_in(text) if x.label is None and x.text in ("4", "-2.785")]
     found = [suggestions.look_alikes(x)[0] for x in numbers]
-    assert [one.question for one in found] == ["rk4.stages", "order rk4", "-real_limit rk4"]
+    assert [one.question for one in found] == ["stages rk4", "order rk4", "-real_limit rk4"]
     assert all(one.strong for one in found)
     assert not Suggestions(text.replace("interval", "limit")).look_alikes(numbers[-1])
 
@@ -454,3 +454,85 @@ def test_beside_a_value_of_the_same_run_or_of_another_method_a_number_far_from_i
     suggestions = Suggestions(text)
     found = [slip for number in numbers_in(text) for slip in suggestions.slips(number).values()]
     assert len(found) == slips, found
+
+
+FACTS = """\
+| Name | Class | Order | Stages | Real limit | Imaginary stability limit |
+| Forward Euler | `Euler` | 1 | 1 | 2 | 0 |
+| Heun | `Heun2` | 2 | 2 | 2 | 0 |
+| Kutta's third-order method | `K3` | 3 | 3 | 2.51 | 1.73 |
+| Classical RK4 | `Rk4` | 4 | 4 | 2.79 | 2.83 |
+| Velocity Verlet | `Verlet` | 2 | 1 | - | 2 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "slips"),
+    [
+        ("", "", []),
+        ("2.83 |", "2.38 |", ["2.83"]),
+        ("| 3 | 3 |", "| 2 | 3 |", ["3"]),
+        ("| 4 | 4 |", "| 4 | 5 |", ["4"]),
+        ("| 1 | 1 | 2 |", "| 1 | 1 | 2.5 |", ["2.0"]),
+        ("| - |", "| 2 |", []),
+    ],
+)
+def test_in_a_column_of_facts_each_number_is_that_of_its_row_or_a_slip(right, wrong, slips):
+    """The stages of a splitting are counted in several ways, so Verlet's 1 is neither."""
+    suggestions = Suggestions(FACTS.replace(right, wrong, 1))
+    numbers = [x for x in numbers_in(suggestions.text) if x.label is None]
+    assert [slip for x in numbers for slip in suggestions.slips(x).values()] == slips
+    weak = [x for x in numbers if not any(one.strong for one in suggestions.look_alikes(x))]
+    assert len(weak) == len(slips) + 1 + (right == "| - |")
+    assert {one.question for x in numbers for one in suggestions.look_alikes(x) if one.strong} >= {"stages kutta3"}
+
+
+def test_an_angle_of_stability_is_that_of_the_method_before_it():
+    text = "BDF3 is A(86.0°)-stable, BDF4 A(73.4°)-stable, BDF5 A(51.8°)-stable and BDF6 A(18.7°)-stable."
+    suggestions = Suggestions(text)
+    numbers = [x for x in numbers_in(text) if x.label is None]
+    assert [any(one.strong for one in suggestions.look_alikes(x)) for x in numbers] == [True, True, True, False]
+    assert suggestions.slips(numbers[-1]) == {"angle bdf6": "17.8"}
+
+
+GROWTH = "y' = 0.8*y*(1 - y/5), y(0) = 0.5, to t = 5 (exact: 4.29243):\n\n| h | Euler | Heun | RK4 |\n"
+
+
+def test_the_numbers_of_a_table_whose_heads_do_not_say_it_say_that_they_are_errors():
+    rows = "| 1 | 1.43e-1 | 1.11e-1 | 1.86e-3 |\n| 0.5 | 4.95e-2 | 2.75e-2 | 1.20e-4 |\n"
+    rows += "| 0.25 | 2.11e-2 | 6.98e-3 | 7.68e-6 |\n"
+    suggestions = Suggestions(GROWTH + rows)
+    numbers = [x for x in numbers_in(GROWTH + rows) if "e" in x.text]
+    strong = [any(one.strong for one in suggestions.look_alikes(x)) for x in numbers]
+    assert strong == [True] * 7 + [False, True]
+    assert [*suggestions.slips(numbers[7]).values()] == ["6.89e-3"]
+    two = Suggestions(GROWTH + "| 1 | 1.43e-1 | 1.11e-1 | 1.00e-3 |\n| 0.5 | 1e-1 | 1e-2 | 1e-3 |")
+    assert not any(one.strong for x in numbers_in(two.text) if "e" in x.text for one in two.look_alikes(x))
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "From h = 0.5 to h = 0.25 the error of RK4 falls by the factor {}",
+        "Halving h from 0.5 to 0.25 divides the error of RK4 by {}",
+    ],
+)
+def test_a_ratio_of_errors_is_known_by_its_two_step_sizes(said):
+    text = f"y' = 0.8*y*(1 - y/5), y(0) = 0.5, to t = 5 with h = 1, 0.5 or 0.25. {said.format('15.7')}."
+    suggestions = Suggestions(text)
+    (best,) = [
+        one for one in suggestions.look_alikes(next(x for x in numbers_in(text) if x.text == "15.7")) if one.strong
+    ]
+    assert best.question.startswith("ratio(run rk4 ")
+    assert "h=0.5, t=5 : error, " in best.question
+
+
+def test_a_time_in_its_column_is_no_value():
+    """The trapezoidal rule has 1.50 at the time 1.5."""
+    text = "y' = -0.8y, y(0) = 5 with h = 0.25 by Euler's method and the trapezoidal rule.\n"
+    text += "| t | Euler |\n| 1.50 | 1.3107 |\n"
+    suggestions = Suggestions(text)
+    time, y = numbers_in(text)[-2:]
+    assert suggestions.look_alikes(y)[0].strong
+    assert suggestions.look_alikes(time)
+    assert not any(one.strong for one in suggestions.look_alikes(time))
