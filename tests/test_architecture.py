@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 3962,
     "blackbox": 20505,
     "enclosure": 3584,
-    "texts": 8952,
+    "texts": 9214,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5857
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

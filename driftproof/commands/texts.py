@@ -137,7 +137,7 @@ def check_command(options: Namespace) -> str:
     """
     from driftproof.reports.progress import with_progress
     from driftproof.support.plain_text import as_json, counted
-    from driftproof.texts.claims.drafting import SLIP
+    from driftproof.texts.claims.members import SLIP
     from driftproof.texts.claims.report import TextReport, UncheckedText, check, texts_with_claims
 
     if not options.run:

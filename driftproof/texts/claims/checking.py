@@ -13,7 +13,10 @@ from fractions import Fraction
 from itertools import islice
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
+from driftproof.texts.claims.contradictions import without_starters
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
+from driftproof.texts.claims.places import place_of
+from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -57,7 +60,33 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
     """Check every claim against the text. Raises ValueError if a claim has no value."""
     found = [check_claim(document, claim, claim.spellings()) for claim in claims]
     held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
-    return [check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else one for one in found]
+    more = [*_untrue(document, found)]
+    return [
+        check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
+        for one, untrue in zip(found, more, strict=True)
+    ]
+
+
+def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tuple[Finding, ...]]:
+    """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
+    text, tables = document.text.text, TextTables(document.text.text)
+    started = any(" started=" in str(x.question) for one in checked for x in one.claim.values.values())
+    lower = without_starters(text.lower()) if started else text.lower()
+    for one in checked:
+        claim, findings = one.claim, list[Finding]()
+        if claim.fact and (untrue := claim.untrue()):
+            places = [document.position(place.start()) for place in one.occurrences]
+            findings += [
+                Finding(claim.id, *at, untrue, claim.fact[1], f"{untrue}, not {claim.fact[1]}") for at in places
+            ]
+        for place in one.occurrences if claim.method else ():
+            start, end = place.span(claim.phrase.names[0])
+            row = tables.row_of(TextNumber(start, end, text[start:end], None))
+            if claim.method not in (named := place_of(lower, start, end, row, {}).methods):
+                names = ", ".join(sorted(named)) or "no method"
+                said = f"the text names {names} here, not {claim.method}"
+                findings.append(Finding(claim.id, *document.position(start), str(claim.method), names, said))
+        yield tuple(findings[:_MOST_FINDINGS])
 
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeGuard
 
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
 from driftproof.texts.claims.formulas import same_formula
@@ -55,7 +56,11 @@ class Expected:
 
 @dataclass(frozen=True)
 class Claim:
-    """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given."""
+    """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given.
+
+    The text names the `method` where the first value stands. A phrase without values may say a `fact`, a question with
+    its answer, such as yes.
+    """
 
     id: str
     phrase: Phrase
@@ -63,11 +68,23 @@ class Claim:
     count: int
     given: str | None
     ignore_case: bool
+    method: str | None = None
+    fact: tuple[str, str] | None = None
 
     def spellings(self) -> dict[str, list[str]]:
         """All accepted spellings of each value. Raises ValueError, with a line that names the claim."""
         with refused_in(f"claim {self.id!r}"):
             return {name: expected.spellings() for name, expected in self.values.items()}
+
+    def untrue(self) -> str | None:
+        """What is so instead of its fact, None if that is true. Raises ValueError, as above, also for a number."""
+        from driftproof.texts.questions.evaluate import value
+
+        with refused_in(f"claim {self.id!r}"):
+            question, said = self.fact or ("", "")
+            if (answer := value(question) if question else None) and answer.is_number:
+                raise ValueError(f"{question} is a number; its phrase has no {{value}} in place of one")
+            return None if answer is None or answer.exact_text == said else f"{question} is {answer.exact_text}"
 
 
 @dataclass(frozen=True)
@@ -133,20 +150,34 @@ def _claim(entry: TomlTable, number: int) -> Claim:
     key = toml.as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
     with refused_in(f"claim {key!r}"):
         toml.require_keys(
-            entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim"
+            entry,
+            ("id", "phrase", "value", "values", "answer", "count", "given", "ignore_case", "method", *_FORM),
+            "a claim",
         )
         phrase, given = _phrase(entry), entry.get("given")
         if not (given is None or given is True or _is_text(given, _LONGEST_NAME)):
             raise ValueError("given is true, or a short reason why the numbers of the phrase are given")
-        values = _values(entry, phrase)
+        fact = _fact(entry, phrase)
+        values = {} if fact else _values(entry, phrase)
         if phrase.free_numbers and given is None:
             reason = "is not a placeholder; make it one, or write given = true if it is data"
             raise ValueError(f"the number {phrase.free_numbers[0]} of its phrase {reason}")
-        if not values and not phrase.free_numbers:
+        if not (values or fact or given):
             raise ValueError("its phrase contains no number; write {value} in place of one and define value")
+        if (method := entry.get("method")) is not None and not (values and method in (*METHODS, *FACTS_ONLY)):
+            raise ValueError("method is the key of a method that the text names where the first value stands")
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
-        return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case)
+        return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case, method, fact)
+
+
+def _fact(entry: TomlTable, phrase: Phrase) -> tuple[str, str] | None:
+    """The question of a phrase without a placeholder, and its answer in words, which is yes unless it says another."""
+    if phrase.names or not isinstance(question := entry.get("value"), str):
+        if "answer" in entry:
+            raise ValueError("answer is for a phrase without a placeholder, with a question as its value")
+        return None
+    return question, toml.as_line(entry.get("answer", "yes"), "answer", _LONGEST_NAME)
 
 
 def _label(entry: TomlTable, number: int) -> NumberLabel:

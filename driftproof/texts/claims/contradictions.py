@@ -74,7 +74,7 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool) ->
         own_symbols = _SYMBOLS.get(quantity, quantity if len(quantity) == 1 else "")
         if symbol[1] not in own_symbols if own_symbols else symbol[1] in _CHOSEN:
             return True
-    key = min(methods_named(re.sub(r" started=\S+", "", question.lower())), default="")
+    key = min(methods_asked(question), default="")
     (own, other), (own_after, other_after) = (_methods(part, key) for part in (before, after))
     other_method = bool(key) and _differs(own, other, before, () if asked else other_after, own_after)
     if asked or other_method:
@@ -117,7 +117,7 @@ def _differs(
     if not other or max(other) < max(own):
         return False
     between = re.sub(r"[a-z]+[0-9]+", "", before[max(own) : max(other)])  # ignore numbers in names: RK4, k1, 3/8 rule
-    return bool(re.search("[0-9]", _spoken_names().sub("", _flat(between))))
+    return bool(re.search("[0-9]", spoken_names().sub("", _flat(between))))
 
 
 def _next_to(before: str, after: str) -> str:
@@ -149,6 +149,11 @@ def methods_named(text: str) -> set[str]:
     return sure.union(*(keys & sure or keys for keys in found))
 
 
+def methods_asked(question: str) -> set[str]:
+    """The keys of the methods that a question is about, without one that starts them."""
+    return methods_named(re.sub(r" started=\S+", "", question.lower()))
+
+
 def last_methods_named(*texts: str) -> set[str]:
     """The keys of the method named last in the first of the texts that names one."""
     return next((found[-1][1] for text in texts if (found := _named(text))), set())
@@ -160,17 +165,17 @@ def without_starters(text: str) -> str:
     def blank(name: re.Match[str]) -> str:
         return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
 
-    return STARTING.sub(lambda clause: _spoken_names().sub(blank, clause[0].replace("-", " ")), text)
+    return STARTING.sub(lambda clause: spoken_names().sub(blank, clause[0].replace("-", " ")), text)
 
 
 def begins_with_method(text: str) -> bool:
     """True if the lower-case text begins with the name of a method."""
-    return _spoken_names().match(_flat(text)) is not None
+    return spoken_names().match(_flat(text)) is not None
 
 
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
-    return [(match.start(), _names()[match[0]]) for match in _spoken_names().finditer(_flat(text))]
+    return [(match.start(), _names()[match[0]]) for match in spoken_names().finditer(_flat(text))]
 
 
 def _flat(text: str) -> str:
@@ -193,7 +198,7 @@ def _names() -> dict[str, set[str]]:
 
 
 @cache
-def _spoken_names() -> re.Pattern[str]:
+def spoken_names() -> re.Pattern[str]:
     """A pattern that matches the longest method name at each place."""
     return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b(?![.,/][0-9])")
 

@@ -67,6 +67,7 @@ _SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trape
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
 _BESIDE = 40
+_NEXT = re.compile(r"(?<![=≈] )(?<![=≈\w./])[-+]?[0-9]")
 _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 
 
@@ -169,11 +170,13 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "percent" if more["percent"] else counted or "ratio"
     if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
-    if quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes it is, said as from 0.2 to 0.1
-        pair = _PAIR.search(before)
-        settings = {x: y for x, y in settings.items() if x != "h"} | ({"h": Fraction(pair[2])} if pair else {})
+    pair = _PAIR.search(before) if quantity == "ratio" else None
+    if pair:
+        settings["h"] = Fraction(pair[2])
+    elif quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes is not said
+        settings.pop("h", None)
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
-    methods = methods or methods_named(" | ".join(cell.text for cell in row))
+    methods = methods or next((named for cell in row if (named := methods_named(cell.text))), set())
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
     methods = methods or (methods_named(by[1]) if by else set())
     if not methods and not _is_labelled(text, start, row):  # by a name that is none of a method
@@ -202,7 +205,9 @@ def _settings(
     settings, near = dict[str, Fraction](), dict[str, list[str]]()
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
         beside = re.match(rf",? ?(?:\w{{2,5}} )?{pattern.pattern}", text[end : end + _BESIDE])
-        said = [beside[1]] if beside else pattern.findall(before) or pattern.findall(after)[:1]
+        if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
+            beside = None if text[end : end + 1] == "," else beside
+        said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}

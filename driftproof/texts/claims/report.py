@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from os.path import isfile
 from pathlib import Path
 from shlex import quote
+from types import MappingProxyType
 from typing import Any, Literal, overload
 
 from driftproof.support.files import named_beside, read_utf8
@@ -16,8 +17,9 @@ from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims, read_claims, refused_in
-from driftproof.texts.claims.drafting import draft
+from driftproof.texts.claims.drafting import doubts_of, draft
 from driftproof.texts.claims.listings import Ran, run_listings
+from driftproof.texts.claims.members import SLIP
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import LARGEST_DOCUMENT, Document, read_document
 from driftproof.texts.readers.number_words import TextWord
@@ -33,7 +35,10 @@ _MOST_WORDS = 5
 
 @dataclass(frozen=True, repr=False)
 class TextReport(Printable):
-    """The result of checking the text called `file`: checked claims, coverage, and the outcome of its listings."""
+    """The result of checking the text called `file`: checked claims, coverage, and the outcome of its listings.
+
+    The `slips` are uncovered numbers, or words, that the draft of the claims calls perhaps wrong, with what it says.
+    """
 
     file: str
     document: Document
@@ -42,12 +47,21 @@ class TextReport(Printable):
     least_coverage: Fraction
     ran: Ran | None = None
     suggestions: Suggestions | None = None
+    slips: tuple[tuple[TextNumber, str], ...] = ()
 
     @classmethod
     def of(
-        cls, file: str, document: Document, claims: Claims, ran: Ran | None = None, suggest: bool = False
+        cls,
+        file: str,
+        document: Document,
+        claims: Claims,
+        ran: Ran | None = None,
+        suggest: bool = False,
+        doubts: Mapping[str, str] = MappingProxyType({}),
     ) -> TextReport:
         """Check the claims; with `suggest`, also look for the values that each uncovered number may be.
+
+        The `doubts` say of numbers, as the text writes them, why they are perhaps wrong.
 
         Raises ValueError if a claim has no value, a label occurs nowhere, or too many numbers need suggestions.
         """
@@ -56,7 +70,11 @@ class TextReport(Printable):
         if suggest and len(covered.uncovered) > _MOST_LISTED:
             raise ValueError(f"{len(covered.uncovered)} numbers are not covered; at most {_MOST_LISTED} are listed")
         suggestions = Suggestions(document.text.text) if suggest else None
-        return cls(file, document, checked, covered, claims.coverage, ran, suggestions)
+        slips = [(number, doubts[number.text]) for number in covered.uncovered if number.text in doubts]
+        flat = document.text.text.replace("\n", " ")
+        for words in (x for x in doubts if " is " in x and x in flat):
+            slips.append((TextNumber(at := flat.index(words), at + len(words), words, None), doubts[words]))
+        return cls(file, document, checked, covered, claims.coverage, ran, suggestions, tuple(slips))
 
     @property
     def passed(self) -> bool:
@@ -91,6 +109,7 @@ class TextReport(Printable):
             "listings": self.ran.count if self.ran else None,
             "coverage": {**self.coverage.counts, "share": _percent(self.coverage.share)},
             "numbers": [self._accounted(one) for one in self.coverage.numbers],
+            "slips": [{**self._placed(number), "message": said} for number, said in self.slips],
             "words": [self._placed(word) for word in self.coverage.unread],
             "not_read": self.document.other_files,
         }
@@ -112,10 +131,14 @@ class TextReport(Printable):
         for number, alike in self._suggested():
             line, column = self.document.position(number.start)
             yield f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{alike}"
+        for number, said in self.slips:
+            line, column = self.document.position(number.start)
+            yield f"{self.file}:{line}:{column}: {number.text} {SLIP} {said}"
         wrong = len({finding.claim for finding in self.findings})
         listings = f", {counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
-        yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}"
+        look = f"; {len(self.slips)} perhaps wrong" if self.slips else ""
+        yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}{look}"
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
         numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
@@ -129,6 +152,11 @@ class TextReport(Printable):
     def _annotations(self) -> Iterator[str]:
         for one in self.findings:
             yield annotation("error", one.message, file=self.file, line=one.line, col=one.column, title=one.claim)
+        for number, said in self.slips:
+            line, column = self.document.position(number.start)
+            yield annotation(
+                "warning", f"{number.text} {SLIP} {said}", file=self.file, line=line, col=column, title="draft"
+            )
         for number, alike in self._suggested():
             line, column = self.document.position(number.start)
             message = f"no claim covers {number.text}{alike}"
@@ -213,10 +241,11 @@ def check(
         return Answered({"claims": drafted}, lambda data: str(data["claims"]))
     file = claims_beside(text) if claims is None else claims
     held = read_claims(file)
+    doubts = doubts_of(read_utf8(file, LARGEST_DOCUMENT))
     document = read_document(text, held.form)
     ran = run_listings(document, time_limit) if run else None
     with refused_in(str(file)), named_beside(text, file):
-        return TextReport.of(str(text), document, held, ran, coverage)
+        return TextReport.of(str(text), document, held, ran, coverage, doubts)
 
 
 def claims_beside(text: str | Path) -> Path:

@@ -48,6 +48,8 @@ _EQUATION = re.compile(
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
+# A sentence or a line ends, or a word follows that is no function.
+_ENDS_RATE = re.compile(rf"\n|[.;](?!\d)| (?!(?:{'|'.join(FUNCTIONS)})\b)(?=[a-z]{{2,}}\b(?!\())")
 _ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
 _ALONE = re.compile(rf"{_NUMBER}\s*(?:[,.;)]|and\b|$)")
 # Characters after the last equation in which x = 1 without a time is a start.
@@ -129,7 +131,7 @@ def equations_in(text: str) -> Iterator[tuple[int, int]]:
     for match in _EQUATION.finditer(text):
         if _ALONE.match(match["rate"]) and not _ZERO.match(match["rate"]):
             continue
-        rate = re.split(r"\n|[.;](?!\d)", _first(match["rate"]))[0]
+        rate = _ENDS_RATE.split(_first(match["rate"]))[0]
         yield match.start(), match.start("rate") + len(rate)
 
 

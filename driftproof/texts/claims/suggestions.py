@@ -1,62 +1,28 @@
-"""Suggest values that the numbers of a text may be: published ones, usual ones, and those that its author asks for."""
+"""Suggest what the numbers of a text may be: the values that they look like, or are slips for."""
 
 from __future__ import annotations
 
 import re
-from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TypeAlias
 
-from flint import arb, ctx
-
-from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.steps import with_effort
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.support.progress import stage
-from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.calculations import Calculation, calculations_in
-from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit, without_starters
-from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
-from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.claims.places import Place, asked_quantity, fact_in_column, leaves_quantity, place_of
+from driftproof.texts.claims.contradictions import SETTING, names_limit
+from driftproof.texts.claims.known_values import KnownValue
+from driftproof.texts.claims.look_alikes import EFFORT, LIMITS_OF_METHODS, SHARE, LookAlikes, printed
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
-from driftproof.texts.claims.stated_problems import stated_questions
-from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
-from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
-from driftproof.texts.values.published import published_values
 
-# The usual questions: about the methods that the text names, else about these, with its step sizes, then with these.
-_USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
-_USUAL_STEPS = ("1/4", "1/2", "1/10")
-_RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
-_STEP_READOUTS = ("q", "v", "energy")
-_LIMITS = ("imaginary_limit", "real_limit", "angle")
-_USUAL_FACTS = (*_LIMITS, "order", "stages", "error_constant", "limit_at_infinity")
-# Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
-_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 2
-_LONGEST_RUN = 10_000
-# Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
-_EFFORT = 1 / 20
-# Bits of precision: enough for the digits of any number of a text.
-_MOST_BITS = 256
-# The question for a value as a percentage.
-_SHARE = "percent({}, 1)"
-# Characters on each side of a number that are searched for the names of a value: about a line.
-_NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 _BESIDE = 200
-
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
-
 # A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 _TIME = re.compile(r"\bt=[^\s,:]+")
@@ -65,117 +31,12 @@ _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
 _ANY = re.compile(f"{_SIZE.pattern}|{_METHOD.pattern}")
-
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
-# A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
-_SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
 
 
-@dataclass(frozen=True)
-class LookAlike:
-    """A value that looks like a number of the text in this form; `strong` if that is unlikely to be chance.
-
-    That depends on the digits, and on how many values have as many of their names nearby, unless it is equal and all
-    its names are; and the sentence must name no other method, step size or quantity.
-    """
-
-    question: str
-    form: NumberForm
-    strong: bool
-
-
-class Suggestions:
-    """The values that the numbers of one text may be."""
-
-    def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
-        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
-        self.text, self._lower = text, text.lower()
-        asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
-        # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
-        pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
-        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one])}
-        self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
-        said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
-        no_runs = [one for one in asked_for if runs and one not in runs]
-        self._refused = dict[str, Refused]()
-        self.not_asked: dict[str, Collection[str]] = {
-            "h does not divide t": no_runs,
-            "the question itself says the value": said,
-            "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
-        }
-        self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
-        self._meant: dict[int, list[KnownValue]] = {}
-        self._places: dict[int, Place] = {}
-        self._alike: dict[int, list[LookAlike]] = {}
-        self.tables = TextTables(text)
-        self.calculated = {one.result: one for one in calculations_in(text)}
-        calculations = self.calculated.values()
-        self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
-        self.stated = stated_questions(text, self.tables.column_of)
-        if any(" started=" in one for one in self.stated):
-            self._lower = without_starters(self._lower)
-
-    def look_alikes(self, number: TextNumber) -> list[LookAlike]:
-        """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
-        if number.start not in self._alike:
-            try:
-                x = number.value
-            except (ValueError, ZeroDivisionError):
-                return []
-            self._alike[number.start] = self._look_alikes(number, x)
-            done = self.calculated.get(number.start)
-            if (
-                done
-                and not any(one.strong for one in self._alike[number.start])
-                and spelled(number) in _printed(done, number)
-            ):
-                self._alike[number.start].insert(0, LookAlike(done.question, form_of(number), strong=True))
-        return self._alike[number.start]
-
-    def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
-        fits = self._fits(number)
-        form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
-        percent = self.text.startswith(("%", " %"), number.end)
-        possible = [
-            k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
-        ]
-        meant, head = self._meant_at(number), self.tables.column_of(number)
-        place = self._place_of(number)
-        placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
-        alike = {each.question for each in self._written(form).get(spelled(number), ())}
-        for known in (each for each in possible if each.question in alike):
-            fit, asked = fits[known.question], known.chosen is not None
-            here = [x for x in possible if digits < 3 or not x.keys or x.keys & place.methods]
-            rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
-            denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
-            rivals = min(rivals, len(meant)) if asked and known in meant else rivals
-            elsewhere = placed and known.stated and known not in meant
-            only = known.stated and [each for each in meant if each.stated] == [known]
-            telling = len(digits_of(number.text)) if only else digits
-            strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
-            named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
-            guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
-            strong = known.question == fact if fact else strong and not guessed
-            unpublished = known.question not in ids
-            first = -known.rank * (strong or known.rank == 2)
-            headed = any(name in head for name in known.names)  # order under "order", not the number of stages
-            order = first, denied, not headed, not strong, known not in meant and unpublished, -fit
-            last = known.answer.exact != x, unpublished, len(known.question), known.question
-            found.append(((*order, *last), LookAlike(known.question, form, strong)))
-        return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
-
-    def _fact_at(self, number: TextNumber) -> str | None:
-        """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
-        cell, methods = self.tables.cell_of(number), self._place_of(number).methods
-        fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
-        if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
-            fact = "angle"
-        if not fact or len(methods) != 1:
-            return None
-        (method,) = methods  # the stages of a splitting are counted in several ways
-        return None if fact == "stages" and isinstance(METHODS.get(method), Splitting) else f"{fact} {method}"
+class Suggestions(LookAlikes):
+    """The values that the numbers of one text look like or are slips for."""
 
     def nowhere(self) -> list[Missed]:
         """The asked questions that no number matches strongly, the answers, and numbers that may mean them.
@@ -184,7 +45,7 @@ class Suggestions:
         """
         asked = [known for known in self._known if known.rank == 2 and known.question in self.asked]
         missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
-        shares = {_SHARE.format(question): question for question in missed}
+        shares = {SHARE.format(question): question for question in missed}
         for number in (each for each in numbers_in(self.text) if missed and each.label is None):
             for alike in self.look_alikes(number):
                 question = shares.get(alike.question, alike.question)
@@ -207,8 +68,8 @@ class Suggestions:
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
-            printed = _printed(done, number)
-            return {done.question: printed[0]} if printed and digits > 1 else {}
+            results = printed(done, number)
+            return {done.question: results[0]} if results and digits > 1 else {}
         if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
@@ -226,7 +87,7 @@ class Suggestions:
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
                     limit = known.question.lstrip("-")
-                    if limit.startswith(_LIMITS) and slip in others and digits > 3:
+                    if limit.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
             if (fact := self._fact_at(number)) in first:
@@ -264,7 +125,7 @@ class Suggestions:
             for other in (t - h, t + h) if h and t else ():
                 there = _TIME.sub(f"t={other}", question)
                 with suppress(ValueError):
-                    if other > 0 and spelled(number) in form_of(number).spellings(self._limited(there, _EFFORT)):
+                    if other > 0 and spelled(number) in form_of(number).spellings(self._limited(there, EFFORT)):
                         found[question] = spelling
         return found
 
@@ -291,200 +152,13 @@ class Suggestions:
                 return found
         return {}
 
-    @cached_property
-    def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
-        """The numbers of each column of a table, and those outside tables."""
-        found = defaultdict[tuple[int, int], list[TextNumber]](list)
-        for number in numbers_in(self.text):
-            if number.label is None:
-                found[self.tables.column_place(number)].append(number)
-        return found
-
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
         if known.numbers:
             return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
         return digits > 3 and 0 < known.most == self._fits(number)[known.question]
 
-    def _fits(self, number: TextNumber) -> dict[str, int]:
-        """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
-        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
-        near += self.tables.column_of(number)
-        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
-        spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
-        return {
-            known.question: sum(x in stand for x in known.names)
-            + sum(not line.isdisjoint(x) for x in known.numbers)
-            + sum(not spoken.isdisjoint(x) for x in known.methods)
-            for known in self._known
-        }
-
-    def _place_of(self, number: TextNumber) -> Place:
-        if number.start not in self._places:
-            place, table = self._named_at(number), self.tables.column_place(number)[0]
-            if table >= 0 and self.stated and leaves_quantity(self.tables.column_of(number)):
-                place = replace(place, quantity=self._quantities.get(table, place.quantity))
-            self._places[number.start] = place
-        return self._places[number.start]
-
-    def _named_at(self, number: TextNumber) -> Place:
-        return place_of(self._lower, number.start, number.end, self.tables.row_of(number), self._unknowns)
-
-    @cached_property
-    def _quantities(self) -> dict[int, str]:
-        """What a table gives whose heads do not say it, by where it begins: half of its numbers, at least 3, say it."""
-        tables = defaultdict[int, list[TextNumber]](list)
-        for (table, _), numbers in self._company.items():
-            tables[table] += [x for x in numbers if leaves_quantity(self.tables.column_of(x))]
-        found = dict[int, str]()
-        for table, numbers in tables.items():
-            tally = Counter(quantity for x in numbers for quantity in self._quantities_of(x))
-            quantity, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
-            if count >= max(3, len(numbers) / 2):
-                found[table] = quantity
-        return found
-
-    def _quantities_of(self, number: TextNumber) -> set[str]:
-        """The quantities of which the number has a value that its row and head name, if it has three digits."""
-        place = self._named_at(number)
-        alike = self._written(form_of(number)).get(spelled(number), ()) if len(digits_of(number.text)) > 2 else ()
-        stated = {known.question: asked_quantity(known.question)[0] for known in alike if known.stated}
-        return {
-            q
-            for known in alike
-            if (q := stated.get(known.question)) and replace(place, quantity=q).means(known.question, known.keys)
-        }
-
     @cached_property
     def _stated_values(self) -> set[str]:
         """The questions of all values that are about stated problems."""
         return {known.question for known in self._known if known.stated}
-
-    @cached_property
-    def _sizes(self) -> set[Fraction]:
-        """The step sizes that the text gives."""
-        return {*map(Fraction, SETTING["h"].findall(self._lower))}
-
-    @cached_property
-    def _unknowns(self) -> dict[str, str]:
-        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
-        asked = " ".join((*self.asked, *self.stated)).lower()
-        names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
-        speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
-        return speeds | {name: name for name in names}
-
-    def _meant_at(self, number: TextNumber) -> list[KnownValue]:
-        """The values that the place of the number names."""
-        if number.start not in self._meant:
-            place = self._place_of(number)
-            self._meant[number.start] = [known for known in self._known if place.means(known.question, known.keys)]
-        return self._meant[number.start]
-
-    @cached_property
-    def _all_names(self) -> set[str]:
-        return {name for known in self._known for name in known.names}
-
-    def _on_line_of(self, number: TextNumber) -> set[Fraction]:
-        """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
-        line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
-        return line | ({*self._place_of(number).settings.values()} if self.tables.row_of(number) else set())
-
-    @cached_property
-    def _lines(self) -> list[list[tuple[int, Fraction]]]:
-        """For each line of the text, its numbers with their positions."""
-        lines, at = list[list[tuple[int, Fraction]]](), 0
-        for line in re.split("(?<=\n)", self.text):
-            lines.append([])
-            for number in numbers_in(line):
-                with suppress(ValueError, ZeroDivisionError):
-                    lines[-1].append((at + number.start, number.value))
-            at += len(line)
-        return lines
-
-    def _written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
-        """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
-        if form not in self._spelled:
-            table = self._spelled[form] = {}
-            with stage("working out values that the text may mean") as progress:
-                for i, known in enumerate(self._known):
-                    progress.part = i / len(self._known)
-                    with suppress(ValueError):
-                        for spelling in form.spellings(known.answer):
-                            table.setdefault(spelling, []).append(known)
-        return self._spelled[form]
-
-    @cached_property
-    def _known(self) -> list[KnownValue]:
-        """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
-
-        Raises QuestionError if a question of the author has no answer.
-        """
-        questions = published_values() | dict.fromkeys(self._questions())
-        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
-        asked = [KnownValue(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
-        stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
-        for question, chosen in stated.items():
-            with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
-                asked.append(KnownValue(question, self._limited(question, _EFFORT), chosen, stated=True))
-        percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
-        shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
-        shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
-        return [*found, *asked, *shares]
-
-    def _questions(self) -> Iterator[str]:
-        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
-        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
-        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
-        sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
-        times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
-        spoken = methods_named(self._lower)
-        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
-        for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
-            yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
-            if "interval" in self._lower:
-                yield f"-real_limit {method}"
-            for h in sizes if method in METHODS and i < _MOST_RUN else ():
-                yield f"energy_multiplier {method} h={h}"
-                yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
-                ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
-                for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
-                    readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
-                    yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
-        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
-
-    def _limited(self, question: str, effort: float = 1.0) -> Answer:
-        """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""
-        answer = value(question)
-        x = answer.exact
-        if x is None or not callable(x):
-            return answer
-
-        def ball() -> arb:
-            if ctx.prec > _MOST_BITS:
-                raise Uncertified("a tie")
-            if question in self._refused:
-                raise self._refused[question]
-            try:
-                with with_effort(effort):
-                    return enclose(x)
-            except Refused as refusal:
-                self._refused[question] = refusal
-                raise
-
-        return replace(answer, exact=ball)
-
-
-def _printed(done: Calculation, number: TextNumber) -> list[str]:
-    """What a calculation gives, spelled in the form of the number; [] for a tie."""
-    with suppress(ValueError):
-        return form_of(number).spellings(done.answer)
-    return []
-
-
-@cache
-def _usual(question: str) -> Answer | None:
-    """The answer to a question that names no file, computed once for all texts; None if there is none."""
-    with suppress(ValueError):
-        return value(question)
-    return None

@@ -51,7 +51,7 @@ class TextTables:
         return self._rows[start]
 
     def column_place(self, number: TextNumber) -> tuple[int, int]:
-        """Where the number's table begins, and which column it stands in; (-1, -1) outside tables."""
+        """The place where the number's table begins, and its column there; (-1, -1) outside tables."""
         cell = self.cell_of(number)
         column = self.row_of(number).index(cell) if cell else -1
         start = self._text.rfind("\n", 0, number.start) + 1

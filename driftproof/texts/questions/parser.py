@@ -398,8 +398,9 @@ class _QuestionParser(PieceParser):
 
     def continues(self) -> bool:
         """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""
-        after, inside = self.after(self.at), self.after(self.at + 1)
-        begins = after.text in ("=", "'") or NUMBER in (after.kind, inside.kind if after.text == "(" else END)
+        after, inside, closed = (self.after(self.at + i) for i in range(3))
+        at = after.text == "(" and inside.kind == NUMBER and closed.text == ")"  # y(0), not y(1 - y)
+        begins = after.text in ("=", "'") or after.kind == NUMBER or at
         return super().continues() and (self.next.text == "(" or not begins)
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:

@@ -40,9 +40,12 @@ _SIGNS = {
     **{name.capitalize(): lookup(f"greek capital letter {name}") for name in re.split(" ", _GREEK)},
 }  # fmt: skip
 _LETTERS = "|".join(["[dtcs]?frac", *(name for name, sign in _SIGNS.items() if sign[0].isalpha())])
+_NESTED = r"[^{}]*(?:\{[^{}]*\}[^{}]*)*"
+# A derivative as a quotient whose d stands apart, as an upright one does.
+_QUOTIENT = re.compile(r"\(d(?P<n>\^2)? ?(?P<of>[^\W\d]\w*)\)/\(d ?(?P<t>[tx])(?P<m>\^2)?\)")
 # Before a factor a blank follows, as 2/3 x is no 2/(3x).
 _FRACTION = re.compile(
-    r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
+    rf"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{{(?P<a>{_NESTED})\}}|(?P<c>[0-9]))\s*(?:\{{(?P<b>{_NESTED})\}}|(?P<d>[0-9]))"
     rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
 _SINGLE = re.compile(r"\s*(?:[0-9]+(?:\.[0-9]+)?|[^\W\d]\w*|\\[A-Za-z]+)\s*")
@@ -133,7 +136,8 @@ def tex_prose(text: SourceText) -> SourceText:
         if text.text == before:
             break
     text = text.rewritten(_COMMAND, _command).removed(re.compile(r"[{}]"))
-    return text.rewritten(re.compile(f"[{_OPEN}{_CLOSE}]"), lambda match: ["{" if match[0] == _OPEN else "}"])
+    text = text.rewritten(re.compile(f"[{_OPEN}{_CLOSE}]"), lambda match: ["{" if match[0] == _OPEN else "}"])
+    return text.rewritten(_QUOTIENT, lambda m: ["d", m.span("n"), m.span("of"), "/d", m.span("t"), m.span("m")])
 
 
 def _inside(match: re.Match[str]) -> Iterable[Piece]:

@@ -3,7 +3,8 @@
 import pytest
 
 from driftproof.texts.claims.calculations import calculations_in
-from driftproof.texts.claims.drafting import SLIP, draft
+from driftproof.texts.claims.drafting import draft
+from driftproof.texts.claims.members import SLIP
 from driftproof.texts.readers.document import document_of
 
 
@@ -47,5 +48,5 @@ def test_result_is_drafted_with_its_calculation_and_a_wrong_one_is_a_slip():
     right, wrong = (draft(document_of(f"The factor is 0.9/1.1 = {x}."), "a") for x in ("0.8182", "0.8128"))
     assert 'phrase = "0.9/1.1 = {value}"\nvalue = "0.9/1.1"\nplaces = 4\n' in right
     assert SLIP not in right
-    assert f"0.8128{SLIP} 0.9/1.1 is 0.8182\n" in wrong
+    assert f"0.8128 {SLIP} 0.9/1.1 is 0.8182\n" in wrong
     assert "{value}" not in wrong

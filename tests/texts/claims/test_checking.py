@@ -209,3 +209,45 @@ def test_check_of_one_claim_looks_at_no_more_places_than_it_says():
     one = claim("a {value} b")
     outcome = check_claim(document_of("a 1 b " * 5000), one, one.spellings())
     assert len(outcome.findings) == 1
+
+
+NAMED = "Heun is slow. Classical RK4 has, at the end, an error of 0.33 or so."
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        (NAMED, []),
+        (NAMED.replace("Classical RK4", "The 3/8 rule"), [(1, 57, "rk4", "rk38")]),
+        (NAMED.replace("Heun is slow. Classical RK4", "It"), [(1, 33, "rk4", "no method")]),
+        (NAMED.replace("Classical RK4", "RK4, not Heun,"), [(1, 59, "rk4", "heun2")]),
+        ("| Method | error |\n| RK4 | 0.33 |", []),
+        ("| Method | error |\n| Heun | 0.33 |", [(2, 10, "rk4", "heun2")]),
+    ],
+)
+def test_a_claim_holds_the_method_that_the_text_names_where_its_value_stands(text, found):
+    phrase = "{value}" if "|" in text else "error of {value}"
+    assert findings(text, claim(phrase, "method = 'rk4'")) == found
+    assert findings(text, claim(phrase)) == []
+
+
+@pytest.mark.parametrize(
+    ("phrase", "more", "text", "found"),
+    [
+        ("BDF2 is A-stable", "value = 'a_stable bdf2'", "Note: BDF2 is A-stable.", []),
+        ("BDF3 is A-stable", "value = 'a_stable bdf3'", "x BDF3 is A-stable.", [(1, 3, "a_stable bdf3 is no", "yes")]),
+        ("BDF3 is not A-stable", "value = 'a_stable bdf3'\nanswer = 'no'", "BDF3 is not A-stable", []),
+        ("BDF2 is A-stable", "value = 'a_stable bdf2'", "BDF3 is A-stable", [(1, 4, "2", "3")]),
+        ("y' = -sin(y)", "given = true", "Let y' = -sin(y).", []),
+        ("y' = -sin(y)", "given = true", "Let y' = -2sin(y).", [(1, 5, "y' = -sin(y)", "y' = -2sin(y")]),
+    ],
+)
+def test_a_phrase_without_numbers_states_a_fact_or_is_given(phrase, more, text, found):
+    assert findings(text, claim(phrase, more)) == found
+
+
+def test_a_fact_is_in_words():
+    with pytest.raises(
+        ValueError, match=r"claim 'a': order rk4 is a number; its phrase has no \{value\} in place of one"
+    ):
+        findings("of order 4", claim("of order", "value = 'order rk4'"))

@@ -91,7 +91,11 @@ BAD = [
     (CLAIM.replace("is {value}", "is {value} of 5"), "the number 5 of its phrase is not a placeholder"),
     (CLAIM.replace("is {value}", "is {value"), "unpaired '{'"),
     (CLAIM.replace("is {value}", "{value} {value}"), "the placeholder {value} occurs twice"),
-    (CLAIM.replace("is {value}", "is"), "values defines 'value', which is not a placeholder of its phrase"),
+    (CLAIM.replace("is {value}", "is").replace("value =", "values.value ="), "values defines 'value', which is not a"),
+    (CLAIM + "answer = 'no'", "answer is for a phrase without a placeholder, with a question as its value"),
+    (CLAIM + "method = 'Euler'", "method is the key of a method that the text names where the first value stands"),
+    (CLAIM + "method = 1", "method is the key of a method"), (CLAIM + "method = []", "method is the key of a method"),
+    ("[[claim]]\nid = 'a'\nphrase = 'of RK4'\ngiven = true\nmethod = 'rk4'", "method is the key of a method"),
     (CLAIM.replace("is {value}", "is {other}"), "has the placeholder {other}, which neither value nor values defines"),
     (CLAIM.replace("is {value}", "x" * 401), "it has 401 characters; at most 400"),
     (CLAIM.replace("is {value}", "".join(f"{{a{i}}} " for i in range(21))), "more than 20 values"),
@@ -122,7 +126,20 @@ def test_bad_claims_file_is_refused_in_one_line(text, message):
     assert len(str(error.value)) < 300
 
 
-KEYS = ["id", "phrase", "value", "values", "places", "digits", "exact", "count", "given", "rounding"]
+KEYS = [
+    "id",
+    "phrase",
+    "value",
+    "values",
+    "places",
+    "digits",
+    "exact",
+    "count",
+    "given",
+    "rounding",
+    "answer",
+    "method",
+]
 ENTRIES = ['"a {value}"', '"{"', "1", "-1", "true", "{}", "[]", "0.5", "{value = 'x'}", "[[1]]", '""']
 ENTRY = st.builds("{} = {}".format, st.sampled_from(KEYS), st.sampled_from(ENTRIES))
 

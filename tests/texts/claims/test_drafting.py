@@ -1,9 +1,7 @@
 """Drafted claims hold of the text they are drafted from, and cover what they say."""
 
 import re
-import sys
 import tomllib
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -39,81 +37,11 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given():
     assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 
 
-def test_numbers_of_an_equation_are_given_and_those_after_it_are_not():
-    for text, count in (("x'' = -x/(x^2 + 4)^{3/2}; 2", 3), ("y' = -2y + 0.5, 25 of them", 2), ("3y = 2y + 0.5", 0)):
-        assert held(document := document_of(text, "plain"), draft(document, "a"))[GIVEN] == count
-
-
 def test_drafted_claims_notice_a_changed_digit():
     claims = parse_claims(draft(read_document(SPRING), "spring.md"))
     wrong = document_of(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
     findings = [finding for outcome in check_claims(wrong, claims.claims) for finding in outcome.findings]
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
-
-
-def test_phrase_in_a_program_holds_no_number_that_is_left_out():
-    """Of such a number nothing can be claimed: the claims were refused that had it in their phrases."""
-    listing = "y = 1.0\ny = y - 2*0.1*y  # 0.877604 after 3 of 0.875 and 5\nz = 4*0.877604\nz = 0.875 + 6 * 0.877604\n"
-    document = document_of(f"RK4:\n\n```python\n{listing}```\n", "markdown")
-    drafted = draft(document, "a", ["step rk4 h=1/2 : q", "1 - 1/8"])
-    assert held(document, drafted)[WORKED_OUT] == 5
-    assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
-
-
-def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them():
-    text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
-    drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
-    found = tomllib.loads(TODO.sub("", drafted))["claim"]
-    phrases = [("RK4 ends at {value}", 2), ("RK4 ends at {value}", 1), ("again. That is 0.33 %", 1)]
-    assert [(claim["phrase"], claim.get("count", 1)) for claim in found] == phrases
-    assert (found[0]["value"], found[0]["id"]) == ("rk4.first_step.q", "rk4.first_step.q")
-    assert "count = 1" not in drafted
-    again = document_of(f"{text} Then q is 0.877604.")
-    assert held(again, draft(again, "a"))[UNCOVERED] == 0
-    assert 'id = "rk4.first_step.q (2)"' in draft(again, "a")
-
-
-@pytest.mark.parametrize(
-    ("text", "phrases"),
-    [
-        ("from 1.5 " + "y" * 23 + " 2.5", ["from 1.5 " + "y" * 23 + " 2.5"]),
-        ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
-        ("RK4 at 0.5x is 0.877604", ["RK4 at 0.5x", "is {value}"]),
-        ("from 1.5 to 0.33 % of it", ["from 1.5 to 0.33 %"]),
-        ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
-        ("rk4 2.828427125/3(17", ["rk4 {value}/", "/3(17"]),  # 3 belongs to the next phrase
-        ("1.75 " * 9, ["1.75 " * 7 + "1.75", "1.75"]),
-        ("5x. 7.5", ["5x", ". 7.5"]),  # no phrase begins within a word
-    ],
-)
-def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text, phrases):
-    assert re.findall(r'phrase = "(.*)"', draft(document_of(text), "a")) == phrases
-
-
-def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_earlier_phrase():
-    text = "at 44.001\nat 44.001 | 59.727"
-    phrases = re.findall(r'phrase = "(.*)"', draft(document_of(text), "a"))
-    assert phrases == ["at 44.001", "| 59.727"]
-
-
-SETTINGS = ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 0.3", "step size of 3", "λ = -9.47", "λ = -3e-144"]
-SETTINGS += ["y' = 0.0"]
-
-
-@pytest.mark.parametrize("setting", SETTINGS)
-def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting):
-    document = document_of(f"Of RK4 with {setting}, then {setting}, and h2 = 0.3; e = 0.3; h = 2.828.")
-    text = draft(document, "a")
-    assert held(document, text) == {"value": 1, "given": 2, "run": 0, "label": 2, "uncovered": 2}
-    (chosen, limit) = tomllib.loads(text)["claim"]
-    assert (chosen["phrase"], chosen["count"]) == (setting.replace("\n", " "), 2)
-    assert limit["value"] == "imaginary_limit rk4"
-
-
-def test_a_letter_of_an_equation_is_given_and_no_other():
-    document = document_of("S' = -βS I - c_1 S, with β = 0.44, c_1 = 0.77 and q = 0.99; S = 0.33.")
-    given = [claim["phrase"] for claim in tomllib.loads(draft(document, "a"))["claim"]]
-    assert given == ["β = 0.44", "c_1 = 0.77"]
 
 
 @pytest.mark.parametrize("method", ["forward Euler", "velocity Verlet"])
@@ -123,14 +51,6 @@ def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method):
         drafted = draft(document_of(f"We run {method} with h = 0.1 and {said}, often.", "markdown"), "a")
         assert 'value = "' not in drafted
         assert drafted.count("the text chooses it") == 1 + times
-
-
-def test_a_start_in_brackets_is_given_as_one():
-    document = document_of("It runs from (1, -0.3) with h = 0.3 to (1, -0.3), from 1 on.")
-    text = draft(document, "a")
-    assert held(document, text) == {"value": 0, "given": 3, "run": 0, "label": 0, "uncovered": 3}
-    assert [claim["phrase"] for claim in tomllib.loads(text)["claim"]] == ["from (1, -0.3", "h = 0.3"]
-    assert 'id = "line 1, column 41"' in text
 
 
 def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short():
@@ -161,24 +81,6 @@ def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_me
     assert "#   0.625000005, 0.625\n" in draft(document_of(""), "a", ["0.625000005"]) + "\n", "a tie"
 
 
-def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone():
-    table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
-    drafted = draft(document_of(table, "markdown"), "a")
-    assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
-    assert 'phrase = "| 0.1"' in draft(document_of("error | h\n0.3 | 0.1\nend"), "a")
-    for text in ("θ' = ω, ω' = -sin(θ)\n\n| ω |\n| --- |\n| -0.963 |\n\nω = -0.963", "eigenvalue λ = -9.373"):
-        assert "\n[[claim]]" not in draft(document_of(text, "markdown"), "a"), "computed, and not chosen"
-
-
-def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number():
-    _, two, three, _ = asked = [f"0.1234567 + {k} - {k}" for k in range(4)]
-    for count, said in ((1, []), (2, [two]), (3, [f"{two}, {three}"]), (4, [f"{two}, {three} and 1 more"])):
-        drafted = draft(document_of("is 0.123457"), "a", asked[:count])
-        assert re.findall("# 0.123457 looks also like (.*)", drafted) == said
-    (weak,) = re.findall("# 0.5 looks (.*)", draft(document_of("is 0.5, and h = 0.5"), "a"))
-    assert re.fullmatch(r"like [^,]+, [^,]+ and \d\d more", weak)
-
-
 def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits():
     for length, shown in ((150, True), (151, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"
@@ -207,12 +109,6 @@ def test_single_digits_of_programs_are_no_values_though_their_words_stand_around
     assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
 
 
-def test_phrase_that_would_be_too_long_is_not_drafted():
-    for length, drafted in ((396, True), (397, False)):
-        text = draft(document_of(f"{'y' * length} 7.5"), "a")
-        assert ("# line 1, column 399: no phrase can be drafted for 7.5" in text) is not drafted
-
-
 def test_name_of_the_text_cannot_break_the_draft():
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
@@ -228,30 +124,6 @@ def test_draft_of_any_text_holds_of_it(pieces):
     text = draft(document, "a.txt")
     held(document, text)
     held(document, TODO.sub("", text))
-
-
-LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {}x\n", "| RK4 | 0.25 | 0.3{} |\n")
-
-
-@pytest.mark.slow(keep=1)
-@pytest.mark.parametrize("line", LINES)
-def test_draft_of_twice_the_text_takes_twice_the_steps(line):
-    """Of Python's own, where numbers differ and where they are equal in equal contexts."""
-    steps = Counter[int]()
-
-    def trace(frame, *_):
-        frame.f_trace_opcodes = frame.f_code.co_filename == drafting.__file__
-        steps[lines] += frame.f_trace_opcodes
-        return trace if frame.f_trace_opcodes else None
-
-    for lines in (30, 60):
-        document, before = document_of("".join(line.replace("{}", str(1000 + i)) for i in range(lines))), sys.gettrace()
-        sys.settrace(trace)
-        try:
-            assert "[[claim]]" in draft(document, "a")
-        finally:
-            sys.settrace(before)
-    assert steps[30] < steps[60] < 2.2 * steps[30]
 
 
 def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch):
@@ -271,37 +143,37 @@ def test_command_drafts_in_the_format_of_the_text(answer, tmp_path, monkeypatch)
     assert "lambda=1 h=1/3 : y, 1.3955" in answer("check", "a.html", "--init", "--ask", asked)
 
 
-PINNED = """On y' = y(1 - y), y(0) = 0.1, Euler's method has 0.391811 at t = 2 with h = 0.5.
+METHODS_NAMED = """\
+θ'' = -sin(θ) with θ(0) = 1.5 and θ'(0) = 0 up to t = 10.
+Classical RK4 has an error of 4.52e-6 for h = 0.1, and 3.05e-7 for h = 0.05.
+BDF2 is A-stable, and classical RK4 is not symplectic.
 
-| h | Euler | RK4 |
-|---|---|---|
-| 0.5 | 0.391811 | 0.450786 |
-| 0.25 | 0.420233 | 0.450844 |
+| Name | Class | Order | Real limit |
+| Classical RK4 | RK4 | 4 | 2.785 |
+| Kutta's third-order method | K3 | 3 | 2.513 |
 """
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [("| Euler | RK4 |", "| RK4 | Euler |"), ("| 0.5 |", "| 0.25 |"), ("0.420233", "0.450844"), ("Euler's", "Heun's")],
+    ("right", "wrong", "said"),
+    [
+        ("Classical RK4 has", "The 3/8 rule has", "the text names rk38 here, not rk4"),
+        ("| Classical RK4 |", "| The 3/8 rule |", "the text names rk38 here, not rk4"),
+        (
+            "| Kutta's third-order method |",
+            "| Ralston's third-order method |",
+            "the text names ralston3 here, not kutta3",
+        ),
+        ("= -sin(θ)", "= -2sin(θ)", "\"θ'' = -sin(θ)\" occurs nowhere"),
+        ("BDF2 is A", "BDF3 is A", "expected 2, found 3"),
+        ("is not symplectic", "is symplectic", "occurs nowhere in the text"),
+    ],
 )
-def test_a_drafted_value_is_bound_to_its_row_the_heads_and_the_method_before_it(old, new):
-    claims = parse_claims(draft(document_of(PINNED, "markdown"), "a")).claims
-    for text, holds in ((PINNED, True), (PINNED.replace(old, new), False)):
-        found = [each.findings for each in check_claims(document_of(text, "markdown"), claims)]
-        assert (not any(found)) is holds
-
-
-def test_a_phrase_begins_with_the_whole_name_of_its_method():
-    text = "For y' = -y, y(0) = 1 and h = 0.1:\n\n* backward Euler: y(1) ≈ 0.385543\n* forward Euler: y(1) ≈ 0.348678\n"
-    drafted = draft(document_of(text, "markdown"), "a")
-    assert 'phrase = "backward Euler: y(1) ≈ {value}"' in drafted
-    assert 'phrase = "forward Euler: y(1) ≈ {value}"' in drafted
-
-
-def test_same_words_with_another_meaning_elsewhere_are_no_claim():
-    """The second row repeats the first one's number: its phrase would cover both."""
-    rows = "| t | other | RK4 |\n| 0.8 | 7.41 | 0.449329 |\n| 0.9 | 7.41 | {} |\n"
-    text = f"For y' = -y, y(0) = 1 with h = 0.1:\n\n{rows}"
-    repeated, right = (draft(document_of(text.format(x), "markdown"), "a") for x in ("0.449329", "0.406570"))
-    assert re.findall(r'^value = "(.*)"', repeated, re.MULTILINE) == []
-    assert len(re.findall(r'^value = "(.*)"', right, re.MULTILINE)) == 2
+def test_a_drafted_claim_holds_the_method_the_equation_and_the_property_that_the_text_names(right, wrong, said):
+    document = document_of(METHODS_NAMED, "plain")
+    drafted = draft(document, "a")
+    held(document, drafted)
+    changed = document_of(METHODS_NAMED.replace(right, wrong), "plain")
+    found = [finding.message for one in check_claims(changed, parse_claims(drafted).claims) for finding in one.findings]
+    assert len(found) >= 1
+    assert all(said in message for message in found), found

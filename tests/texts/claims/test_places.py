@@ -49,6 +49,10 @@ def place(text, number):
         ("h = 0.1\n| day | forward | I (RK4) |\n| 4 | 0.77 | 1 |", {"forward_euler"}, (Q(1, 10), 4), "state", None),
         ("h = 0.1\n| day | forward | I (RK4) |\n| 4 | 1 | 0.77 |", {"rk4"}, (Q(1, 10), 4), "state", "i"),
         ("RK4 has y = 0.1, y = 0.77 by Heun's method, but 0.1 by Euler's", {"heun2"}, (None, None), "state", "y"),
+        ("With h = 0.1 Heun's is off by 0.77, with h = 0.2 by 0.9", {"heun2"}, (Q(1, 10), None), "error", None),
+        ("Heun with h = 0.1; its error is 0.77, and 0.9 with h = 0.2", {"heun2"}, (Q(1, 10), None), "error", None),
+        ("From h = 0.2 to 0.1 Heun's error falls by the factor 0.77", {"heun2"}, (Q(1, 10), None), "ratio", None),
+        ("It divides the error of Heun by 0.77", {"heun2"}, (None, None), "ratio", None),
         ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )
@@ -74,6 +78,12 @@ def test_a_cell_is_of_its_row_and_its_column_or_the_last_one_that_names_a_method
         assert place("| h | y | h | y |\n| 0.5 | 0.61 | 0.25 | 0.77 |", number).settings == {"h": h}
     rows = "| method | y | error |\n| RK4 | 0.6065 | 1e-4 |"
     assert place(rows, "0.6065").methods == {"rk4"}
+
+
+def test_a_row_is_of_the_method_that_its_first_cell_names():
+    assert place("| Method | Order | Constant |\n| Adams-Bashforth 3 | 3 | 3/8 |", "3/8").methods == {
+        "adams_bashforth3"
+    }
 
 
 def test_a_question_is_meant_if_all_that_it_names_is_named():

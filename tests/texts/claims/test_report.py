@@ -145,3 +145,22 @@ def test_command_answers_with_its_exit_status(files, run):
     assert out.startswith("a.md:1:42: q: expected 0.8776, found 0.8777\n")
     _, out, _ = run("check", "a.md", "--claims", "c.toml", "--format", "github")
     assert out.startswith("::error file=a.md,line=1,col=42")
+
+
+def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path):
+    """It is no finding, as nobody claimed it."""
+    text, claims = tmp_path / "a.md", tmp_path / "a.md.claims.toml"
+    wrong = "BDF3 is A-stable.\nThe angle: BDF3 is A(86.0°)-stable, BDF4 A(74.3°)-stable. RK4's real limit is 2.785.\n"
+    right = wrong.replace("BDF3 is A-stable", "BDF2 is A-stable").replace("74.3", "73.4")
+    text.write_text(wrong, encoding="utf-8")
+    claims.write_text(check(text, init=True)["claims"], encoding="utf-8")
+    report = check(text)
+    assert report.passed
+    places = [("74.3", 2, 44, "angle bdf4 is 73.4"), ("BDF3 is A-stable", 1, 1, "a_stable bdf3 is no")]
+    assert [tuple(one.values()) for one in report.as_dict()["slips"]] == places
+    shown = report.written("text")
+    assert f"{text}:2:44: 74.3 is perhaps a slip: angle bdf4 is 73.4\n" in shown
+    assert ", all hold; 2 perhaps wrong\n" in shown
+    assert report.written("github").count("::warning file=") == 2
+    text.write_text(right, encoding="utf-8")
+    assert (check(text).slips, check(text).passed) == ((), True)

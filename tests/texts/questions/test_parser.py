@@ -23,6 +23,8 @@ ARITHMETIC = {
     "energy_multiplier forward_euler h=1/4 / 2": Q(17, 32),
     "2*step forward_euler h=1/2:q": Q(2), "0 ** 0": Q(1), "4 ^ 1.5 + 4 ** (-0.5)": Q(17, 2),
     "(2**64) ** (1/64)": Q(2),
+    "run forward_euler y'=0.8y(1-y/5), y(0)=1, h=1/4, t=1/4 : y": Q(29, 25),
+    "run forward_euler y'=2 t y(2 - y)(1) + y, y(0)=1, h=1/4, t=1/4 : y": Q(5, 4),
     "run rk4 rates=((y0)*(y1), (-y0)) from 1,1 h=1/4 t=1/4 : y1": Q(2262647, 3145728),
 }  # fmt: skip
 

@@ -21,6 +21,11 @@ READ = [
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
     ("$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots", "x'=v, θ''(0), ω_{12}' x_1''3"),
     ("& \\multicolumn{2}{c}{Euler} & \\multicolumn{1}{l|}{RK4}\\\\ 0.1", "| Euler | | RK4\n0.1"),
+    ("\\newcommand{\\dd}{\\mathrm{d}}$\\frac{\\dd y}{\\dd t} = 2, \\dfrac{\\dd{x}}{\\dd{t}}$", "dy/dt = 2, dx/dt"),
+    (
+        "$\\frac{\\mathrm{d}^2x}{\\mathrm{d}t^2}, \\frac{1}{1+\\frac{a}{b}}, \\frac{{a}}{b} y$",
+        "d^2x/dt^2, 1/(1+a/b), (a)/b y",
+    ),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
 

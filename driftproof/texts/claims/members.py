@@ -1,0 +1,129 @@
+"""The numbers of a text for a draft: what each looks like, which are chosen, and which share a phrase."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import groupby
+from typing import TypeAlias
+
+from driftproof.texts.claims.checking import Span
+from driftproof.texts.claims.look_alikes import LookAlike
+from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.suggestions import Suggestions
+from driftproof.texts.readers.numbers import TextNumber
+
+# Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
+_SETTING = re.compile(
+    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
+    r"|[^\W\d_]'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
+)
+_LONGEST_SETTING = 20
+# The head of a column of such numbers.
+_HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[](?![0-9]).*)?")
+# Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
+_SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
+# Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
+_WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
+
+# What the remark on a number says that is perhaps wrong.
+SLIP = "is perhaps a slip:"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A number, the values that it looks like or is a slip for, and, if it is chosen, where h = or its cell begins.
+
+    What is said of it goes on `until` the end of its equation.
+    """
+
+    number: TextNumber
+    alike: list[LookAlike]
+    slips: dict[str, str]
+    strong: bool
+    chosen_at: int | None
+    until: int
+
+    @classmethod
+    def of(
+        cls, number: TextNumber, suggestions: Suggestions, text: str, equations: Mapping[int, Span], letters: set[str]
+    ) -> Member:
+        """The number with what the text says about it; `letters` are parameters, and `equations` where one stands."""
+        start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
+        before = text[start : number.start].replace("\n", " ")
+        parameter = re.search(r"(?<![\w./])([^\W\d]\w*) ?= ?\Z", before)
+        found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
+        setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
+        if _HEAD_OF_SETTINGS.fullmatch(suggestions.tables.column_of(number)):
+            cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
+            if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
+                setting = start + cell.start()
+        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.tables.column_of(number))
+        if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
+            setting = None
+        until = number.end
+        if number.start in equations:
+            strong, (setting, until) = False, equations[number.start]
+        setting = suggestions.in_calculation.get(number.start, setting)
+        return cls(number, alike, suggestions.slips(number), strong, None if strong else setting, until)
+
+    @property
+    def chosen(self) -> bool:
+        """True if the text chooses the number, as in h = 0.1."""
+        return self.chosen_at is not None
+
+    def remark(self, place: str) -> str:
+        """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
+        if self.slips:
+            question, slip = min(self.slips.items(), key=lambda one: (abs(Fraction(one[1]) - self.number.value), one))
+            other = next((one.question for one in self.alike if one.question != question), "")
+            also = f"; it looks like {other}" * bool(other)
+            return f"# {place}: {self.number.text} {SLIP} {question} is {slip}{also}\n"
+        others = [alike.question for alike in self.alike[self.strong :]]
+        more = f" and {len(rest)} more" if (rest := others[2:]) else ""
+        also = "also " * self.strong
+        shown = others and not self.chosen
+        return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
+
+
+# Neighbouring numbers of one line that go into one phrase: strong look-alikes and a setting before them, or neither.
+Group: TypeAlias = list[Member]
+Bounded: TypeAlias = tuple[int, int, Group]
+
+
+def uncovered(groups: list[Group], fences: list[int], covered: set[int]) -> Iterator[Bounded]:
+    """The runs of the groups that no drafted phrase covers, each with the bounds that its phrase must stay within."""
+    befores = [fences[0], *(group[-1].number.end for group in groups)]
+    afters = [*(group[0].number.start for group in groups[1:]), fences[-1]]
+    for before, after, group in zip(befores, afters, groups, strict=False):
+        starts = [member.number.start for member in group]
+        at = bisect_right(fences, min(starts))  # a number that is left out may stand in no phrase
+        ends = [max(before, fences[at - 1]), *(member.number.end for member in group)]
+        for is_covered, run in groupby(range(len(group)), lambda i, starts=starts: starts[i] in covered):  # type: ignore[misc]
+            part = [*run]
+            if not is_covered:
+                end = [*starts, min(after, fences[at])][part[-1] + 1]
+                yield ends[part[0]], end, group[part[0] : part[-1] + 1]
+
+
+def groups(text: str, members: list[Member], fences: list[int]) -> Iterator[Group]:
+    """The groups of the members; none extends over a fence, an end of a number that may stand in no phrase."""
+    group: Group = []
+    for member in members:
+        if group:
+            last = group[-1]
+            between = text[last.number.end : member.number.start]
+            together = len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] |\S.*\n|\n.*\S", between)
+            alike = (last.strong, last.chosen_at) == (member.strong, member.chosen_at) or (
+                last.chosen and member.strong
+            )
+            fenced = bisect_right(fences, last.number.start) != bisect_right(fences, member.number.start)
+            if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
+                yield group
+                group = []
+        group.append(member)
+    if group:
+        yield group

@@ -1,0 +1,117 @@
+"""Search a text for the phrases of a draft: those that say which number is meant, and all places where they stand."""
+
+from __future__ import annotations
+
+import re
+
+from driftproof.texts.claims.contradictions import begins_with_method, methods_named
+from driftproof.texts.claims.members import Group
+from driftproof.texts.claims.phrases import Phrase
+from driftproof.texts.readers.numbers import numbers_in
+
+# Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
+# method is looked for, which the phrase of a value names.
+_WORDS, _MOST_WORDS = 3, 10
+_BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
+
+
+class PhraseSearch:
+    """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
+
+    def __init__(self, text: str) -> None:
+        self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
+        self._starts: dict[str, list[int]] = {}
+        for number in self.numbers:
+            self._starts.setdefault(number.text, []).append(number.start)
+        self._alike: dict[tuple[int, int, str], dict[str, list[int]]] = {}
+        self._stands: dict[tuple[str, str], set[int]] = {}
+
+    def phrase(self, room: list[int], group: Group) -> tuple[str, set[int]]:
+        """A phrase with the group's numbers and all positions of its first number; ("", set()) if none matches here.
+
+        The phrase lies within `room` and begins up to _WORDS words before the first number, with its setting, or with
+        the method or the heads of the table that say what a value is. Text after the last number is included only if it
+        belongs to the number, as in " %". Strong look-alikes become placeholders for values; other numbers stand in the
+        phrase literally.
+        """
+        head, *_ = group
+        text, start, end = self.text, head.number.start, group[-1].number.end
+        first = at = self._beginning(room[0], group)
+        phrase, names = "", iter(placeholders(group))
+        for number, strong in ((member.number, member.strong) for member in group):
+            phrase += as_phrase(text[at : number.start]) + (f"{{{next(names)}}}" if strong else as_phrase(number.text))
+            at = number.end
+        cell = head.chosen and not text[first:start].strip("| ")
+        until = min(max(end, group[-1].until), room[1])
+        whole = [re.escape(rest)] if (rest := text[end:until].rstrip()) else []
+        for more in (*whole, *[r" ?\|\|?"] * cell, r"", r"\S+", r"\S*\s+\S+"):
+            follows = re.match(more, text[end : room[1]])
+            last = end + len(follows[0].rstrip(".,;:!? ") if follows else "")
+            longer = phrase + as_phrase(text[end:last])
+            stands = self._found(longer, group, first, last)
+            if start in stands:
+                return longer, stands
+        return "", set()
+
+    def _beginning(self, least: int, group: Group) -> int:
+        """The place, at `least`, where the phrase of the group begins."""
+        text, start, chosen_at = self.text, group[0].number.start, group[0].chosen_at
+        words = [match.start() for match in _BEGINNING.finditer(text, least, start)]
+        first = words[-_WORDS:][0] if words else start
+        first = first if chosen_at is None else max(least, chosen_at)
+        if not any(member.strong for member in group):
+            return first
+        line = text.rfind("\n", 0, start) + 1
+        if "|" in text[line:start]:
+            above = text.rfind("\n", 0, max(0, line - 1)) + 1
+            heads = text[above:line]
+            is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
+            return max(least, above) if is_first else first
+        begins, named = start, set[str]()
+        for word in reversed(words[-_MOST_WORDS:]):
+            said = text[word:start].lower()
+            longer = methods_named(said)
+            if re.search(r"[.;?!]\s", said) or (named == longer and named and not begins_with_method(said)):
+                break
+            begins, named = word if longer else begins, longer  # "backward Euler" is no "Euler"
+        return min(first, begins)
+
+    def _found(self, phrase: str, group: Group, first: int, last: int) -> set[int]:
+        """The positions of the first number in all matches of the phrase, which was drafted from text[first:last]."""
+        key = phrase, self.flat[first:last]
+        if key not in self._stands:
+            stands, done, before = self._stands.setdefault(key, set()), 0, group[0].number.start - first
+            try:
+                parsed = Phrase.of(phrase)
+            except ValueError:  # too long
+                return stands
+            if not (parsed.names or parsed.free_numbers):  # its numbers run together, as in 0.50.5
+                return stands
+            strong = [member.number.text for member in group if member.strong]
+            pattern = parsed.exact({name: [spelled] for name, spelled in zip(placeholders(group), strong, strict=True)})
+            for place in self._places(before, last - first, group[0].number.text).get(key[1], ()):
+                if place - before >= done and (match := pattern.match(self.text, place - before)):
+                    stands.add(place)
+                    done = match.end()
+        return self._stands[key]
+
+    def _places(self, before: int, length: int, number: str) -> dict[str, list[int]]:
+        """The positions of the number, keyed by the `length` characters that begin `before` characters ahead of it."""
+        shape = before, length, number
+        if shape not in self._alike:
+            places = self._alike[shape] = {}
+            for at in self._starts[number]:
+                if at >= before:
+                    places.setdefault(self.flat[at - before : at - before + length], []).append(at)
+        return self._alike[shape]
+
+
+def placeholders(group: Group) -> list[str]:
+    """The names of the placeholders for the strong members."""
+    count = sum(member.strong for member in group)
+    return ["value"] if count == 1 else [chr(ord("a") + i) for i in range(count)]
+
+
+def as_phrase(text: str) -> str:
+    """The text as a phrase has it: on one line, its braces doubled."""
+    return text.replace("\n", " ").replace("{", "{{").replace("}", "}}")

@@ -1,0 +1,114 @@
+"""A drafted phrase stands where it is said to, says which number is meant, and is found in linear time."""
+
+import re
+import sys
+import tomllib
+from collections import Counter
+
+import pytest
+
+from driftproof.texts.claims import drafting, members, phrase_search
+from driftproof.texts.claims.checking import UNCOVERED, WORKED_OUT, check_claims, coverage
+from driftproof.texts.claims.claims import parse_claims
+from driftproof.texts.claims.drafting import draft
+from driftproof.texts.readers.document import document_of
+
+TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
+
+
+def held(document, text):
+    """The coverage by drafted claims, all of which hold."""
+    claims = parse_claims(text)
+    outcomes = check_claims(document, claims.claims)
+    findings = [finding for outcome in outcomes for finding in outcome.findings]
+    assert findings == []  # of a text without numbers there is nothing to find
+    return coverage(document, outcomes).counts
+
+
+def test_phrase_in_a_program_holds_no_number_that_is_left_out():
+    """Of such a number nothing can be claimed: the claims were refused that had it in their phrases."""
+    listing = "y = 1.0\ny = y - 2*0.1*y  # 0.877604 after 3 of 0.875 and 5\nz = 4*0.877604\nz = 0.875 + 6 * 0.877604\n"
+    document = document_of(f"RK4:\n\n```python\n{listing}```\n", "markdown")
+    drafted = draft(document, "a", ["step rk4 h=1/2 : q", "1 - 1/8"])
+    assert held(document, drafted)[WORKED_OUT] == 5
+    assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
+
+
+def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them():
+    text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
+    drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
+    found = tomllib.loads(TODO.sub("", drafted))["claim"]
+    phrases = [("RK4 ends at {value}", 2), ("RK4 ends at {value}", 1), ("again. That is 0.33 %", 1)]
+    assert [(claim["phrase"], claim.get("count", 1)) for claim in found] == phrases
+    assert (found[0]["value"], found[0]["id"]) == ("rk4.first_step.q", "rk4.first_step.q")
+    assert "count = 1" not in drafted
+    again = document_of(f"{text} Then q is 0.877604.")
+    assert held(again, draft(again, "a"))[UNCOVERED] == 0
+    assert 'id = "rk4.first_step.q (2)"' in draft(again, "a")
+
+
+def test_phrase_that_would_be_too_long_is_not_drafted():
+    for length, drafted in ((396, True), (397, False)):
+        text = draft(document_of(f"{'y' * length} 7.5"), "a")
+        assert ("# line 1, column 399: no phrase can be drafted for 7.5" in text) is not drafted
+
+
+FILES = {module.__file__ for module in (drafting, members, phrase_search)}
+LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {}x\n", "| RK4 | 0.25 | 0.3{} |\n")
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize("line", LINES)
+def test_draft_of_twice_the_text_takes_twice_the_steps(line):
+    """Of Python's own, where numbers differ and where they are equal in equal contexts."""
+    steps = Counter[int]()
+
+    def trace(frame, *_):
+        frame.f_trace_opcodes = frame.f_code.co_filename in FILES
+        steps[lines] += frame.f_trace_opcodes
+        return trace if frame.f_trace_opcodes else None
+
+    for lines in (30, 60):
+        document, before = document_of("".join(line.replace("{}", str(1000 + i)) for i in range(lines))), sys.gettrace()
+        sys.settrace(trace)
+        try:
+            assert "[[claim]]" in draft(document, "a")
+        finally:
+            sys.settrace(before)
+    assert steps[30] < steps[60] < 2.2 * steps[30]
+
+
+PINNED = """On y' = y(1 - y), y(0) = 0.1, Euler's method has 0.391811 at t = 2 with h = 0.5.
+
+| h | Euler | RK4 |
+|---|---|---|
+| 0.5 | 0.391811 | 0.450786 |
+| 0.25 | 0.420233 | 0.450844 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("| Euler | RK4 |", "| RK4 | Euler |"), ("| 0.5 |", "| 0.25 |"), ("0.420233", "0.450844"), ("Euler's", "Heun's")],
+)
+def test_a_drafted_value_is_bound_to_its_row_the_heads_and_the_method_before_it(old, new):
+    claims = parse_claims(draft(document_of(PINNED, "markdown"), "a")).claims
+    for text, holds in ((PINNED, True), (PINNED.replace(old, new), False)):
+        found = [each.findings for each in check_claims(document_of(text, "markdown"), claims)]
+        assert (not any(found)) is holds
+
+
+def test_a_phrase_begins_with_the_whole_name_of_its_method():
+    text = "For y' = -y, y(0) = 1 and h = 0.1:\n\n* backward Euler: y(1) ≈ 0.385543\n* forward Euler: y(1) ≈ 0.348678\n"
+    drafted = draft(document_of(text, "markdown"), "a")
+    assert 'phrase = "backward Euler: y(1) ≈ {value}"' in drafted
+    assert 'phrase = "forward Euler: y(1) ≈ {value}"' in drafted
+
+
+def test_same_words_with_another_meaning_elsewhere_are_no_claim():
+    """The second row repeats the first one's number: its phrase would cover both."""
+    rows = "| t | other | RK4 |\n| 0.8 | 7.41 | 0.449329 |\n| 0.9 | 7.41 | {} |\n"
+    text = f"For y' = -y, y(0) = 1 with h = 0.1:\n\n{rows}"
+    repeated, right = (draft(document_of(text.format(x), "markdown"), "a") for x in ("0.449329", "0.406570"))
+    assert re.findall(r'^value = "(.*)"', repeated, re.MULTILINE) == []
+    assert len(re.findall(r'^value = "(.*)"', right, re.MULTILINE)) == 2
