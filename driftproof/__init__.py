@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
+    from driftproof.texts.claims.report import assert_text as assert_text
     from driftproof.texts.claims.report import check as check
     from driftproof.texts.questions.decimals import PRINTED as PRINTED
     from driftproof.texts.questions.decimals import Style as Style

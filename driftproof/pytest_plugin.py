@@ -31,7 +31,7 @@ _LONGEST_NAME = 180
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option --driftproof-report."""
     group = parser.getgroup("driftproof")
-    words = "write what assert_verified and assert_accurate found into FOLDER: a JSON file per test, and summary.md"
+    words = "write what each assert_... of driftproof found into FOLDER: a JSON file per test, and summary.md"
     group.addoption("--driftproof-report", metavar="FOLDER", help=words)
 
 

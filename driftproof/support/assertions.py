@@ -1,4 +1,4 @@
-"""The verdicts of `assert_verified` and `assert_accurate`: passed to listeners, and raised if they do not hold."""
+"""The verdicts of `assert_verified`, `assert_accurate` and `assert_text`: told to listeners, raised if they fail."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from driftproof.support.plain_text import Json
 
 @dataclass(frozen=True)
 class AssertedVerdict:
-    """A verdict on a stepper or a trajectory: one line of words, the whole report, and data for a program.
+    """A verdict on a stepper, a trajectory or a text: one line of words, the whole report, and data for a program.
 
     `passed` is None if the verdict is undecided.
     """

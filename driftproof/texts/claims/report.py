@@ -12,6 +12,7 @@ from shlex import quote
 from types import MappingProxyType
 from typing import Any, Literal, overload
 
+from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.files import named_beside, read_utf8
 from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
@@ -246,6 +247,25 @@ def check(
     ran = run_listings(document, time_limit) if run else None
     with refused_in(str(file)), named_beside(text, file):
         return TextReport.of(str(text), document, held, ran, coverage, doubts)
+
+
+def assert_text(text: str | Path, claims: str | Path | None = None, *, run: bool = False) -> None:
+    """Assert that every claim about a text holds: for a test.
+
+    `claims` and `run` are those of `check`. Raises AssertionError with each finding, its place, and the numbers that
+    the draft of the claims calls perhaps wrong; and ValueError, as `check` does.
+
+    >>> from driftproof import assert_text
+    >>> assert_text("missing.md")
+    Traceback (most recent call last):
+    ValueError: missing.md: No such file or directory
+    """
+    __tracebackhide__ = True  # pytest shows the user's line, and the message
+    found = check(text, claims, run=run)
+    wrong = len({finding.claim for finding in found.findings})
+    words = f"has {counted(wrong, 'claim')} that {'does' if wrong == 1 else 'do'} not hold" if wrong else "holds"
+    verdict = AssertedVerdict(str(text), words, found.passed, found.written("text"), found.as_dict())
+    assert_verdict(verdict, holds=found.passed)
 
 
 def claims_beside(text: str | Path) -> Path:

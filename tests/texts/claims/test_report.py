@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from driftproof.support import assertions
 from driftproof.texts.claims.checking import UNCOVERED
 from driftproof.texts.claims.claims import Claims
 from driftproof.texts.claims.listings import run_listings
-from driftproof.texts.claims.report import TextReport, check, claims_beside, texts_with_claims
+from driftproof.texts.claims.report import TextReport, assert_text, check, claims_beside, texts_with_claims
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim
 
@@ -164,3 +165,20 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
     assert report.written("github").count("::warning file=") == 2
     text.write_text(right, encoding="utf-8")
     assert (check(text).slips, check(text).passed) == ((), True)
+
+
+def test_an_assertion_raises_with_every_finding_and_tells_listeners(tmp_path, monkeypatch):
+    text, heard = tmp_path / "a.txt", []
+    monkeypatch.setattr(assertions, "listeners", [heard.append])
+    text.write_text("The order is 4.", encoding="utf-8")
+    Path(f"{text}.claims.toml").write_text(
+        "claim = [{ id = 'o', phrase = 'order is {value}', value = 'order rk4' }]", encoding="utf-8"
+    )
+    assert_text(text)
+    text.write_text("The order is 5.", encoding="utf-8")
+    with pytest.raises(AssertionError, match=r"a\.txt:1:14: o: expected 4, found 5\n"):
+        assert_text(text)
+    assert [(one.headline, one.passed) for one in heard] == [
+        (f"{text} holds", True),
+        (f"{text} has 1 claim that does not hold", False),
+    ]
