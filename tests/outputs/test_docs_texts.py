@@ -66,7 +66,7 @@ def sessions(page):
 def test_page_shows_what_its_commands_print(printed, tmp_path):
     template = next(text for kind, text in BLOCK.findall(PAGE) if kind == "jinja")
     (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")
-    for name, content in exactly(5, re.findall(r"`(\w+[.]\w+)`[^`\n]*:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
+    for name, content in exactly(6, re.findall(r"`(\w+[.]\w+)`[^`\n]*:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
         (tmp_path / name).write_text(content, encoding="utf-8")
     for command, shown in exactly(20, sessions(PAGE)):
         assert printed(command) == shown, command
