@@ -68,7 +68,7 @@ def test_page_shows_what_its_commands_print(printed, tmp_path):
     (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")
     for name, content in exactly(6, re.findall(r"`(\w+[.]\w+)`[^`\n]*:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
         (tmp_path / name).write_text(content, encoding="utf-8")
-    for command, shown in exactly(20, sessions(PAGE)):
+    for command, shown in exactly(23, sessions(PAGE)):
         assert printed(command) == shown, command
 
 
