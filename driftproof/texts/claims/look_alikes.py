@@ -127,10 +127,10 @@ class LookAlikes:
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
+        here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
-            here = [x for x in possible if digits < 3 or not x.keys or x.keys & place.methods]
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))

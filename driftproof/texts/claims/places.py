@@ -59,6 +59,9 @@ _FACTS = {
     "real_limit": r"(?:negative )?real\b",
     "order": r"(?:order|p\Z)\b",
 }
+_AT_START = re.compile(
+    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b[^.;,]{0,30}\Z|[a-z]_0 ?[=≈] ?\Z"
+)
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns of a table have them.
@@ -150,7 +153,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
-    quantity, name = said[-1].lastgroup if said else "state" if head else None, None
+    label = _QUANTITY.match(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
+    quantity, name = said[-1].lastgroup if said else label.lastgroup if label else "state" if head else None, None
     if found := direct or _WORKED_OUT.search(before):
         name, n = found["name"], found["n"]
         if n and name == "k":
@@ -218,6 +222,8 @@ def _settings(
         settings["t"] = taken[0] * settings["h"]
     elif counts and "t" in settings and not near["h"]:
         settings["h"] = settings["t"] / counts[0]
+    if not row and _AT_START.search(before):
+        settings["t"], near["t"] = Fraction(0), ["0"]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)
 

@@ -53,6 +53,10 @@ def place(text, number):
         ("Heun with h = 0.1; its error is 0.77, and 0.9 with h = 0.2", {"heun2"}, (Q(1, 10), None), "error", None),
         ("From h = 0.2 to 0.1 Heun's error falls by the factor 0.77", {"heun2"}, (Q(1, 10), None), "ratio", None),
         ("It divides the error of Heun by 0.77", {"heun2"}, (None, None), "ratio", None),
+        ("t = 1\n| method | y(1) |\n| exact | 0.77 |", set(), (None, 1), "exact", "y"),
+        ("t = 1\n| method | RK4 |\n| error | 0.77 |", {"rk4"}, (None, 1), "error", None),
+        ("Heun, h = 0.1, t = 3. At the start y = 0.77", {"heun2"}, (Q(1, 10), 0), "state", "y"),
+        ("Heun, h = 0.1, t = 3. Its energy is initially 0.77", {"heun2"}, (Q(1, 10), 0), "energy", None),
         ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )
