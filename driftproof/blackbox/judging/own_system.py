@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain, pairwise, product
 from math import cos, hypot, log2
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, ctx
@@ -18,7 +18,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, ordinary_
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
-from driftproof.blackbox.judging.specification import Domain, Specification
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.stage_solutions import step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
@@ -26,7 +26,7 @@ from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE,
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import TOGETHER
-from driftproof.methods.catalogue import of_one_state
+from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
 # Slopes are extrapolated from steps of 2**-8 of the system's own time and halves of these: what is cut off is below
@@ -82,6 +82,25 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     if system is None and more > 0:
         raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and short steps show no slopes of it")
     return system
+
+
+class OwnMethods(NamedTuple):
+    """A built-in system, and the methods whose steps a stepper takes there; None if they may be of one without."""
+
+    system: str
+    keys: tuple[str, ...] | None
+
+
+def own_methods(subject: ForeignStepper) -> OwnMethods | None:
+    """The system that a stepper has built in, with its methods there. Raises OwnSystem if no slopes of it are seen."""
+    if (system := own_system(subject, ORDINARY_DOMAIN)) is None:
+        return None
+    far = dict[str, str]()
+    for key, method in METHODS.items():
+        with suppress(MethodError):
+            far[key] = system.off(Specification(method))[1]
+    keys = tuple(key for key, words in far.items() if not words)
+    return OwnMethods(system.words, keys if keys or len(far) == len(METHODS) else None)
 
 
 @dataclass(frozen=True)
@@ -153,6 +172,10 @@ class OwnSteps:
     @property
     def words(self) -> str:
         """The system in words, as it is near (0, 0), if it has slopes there."""
+        return f"its system is built in, not q'' = -q but {self._words}"
+
+    @property
+    def _words(self) -> str:
         if self.size > 2:
             return f"one of {self.size} numbers"
         tiny = self.unit * _NEAR
@@ -170,7 +193,7 @@ class OwnSteps:
 
     def compare(self, wanted: Specification) -> None:
         """Raise OwnSystem or, if a step is not the method's, NotOnOwnSystem."""
-        key, system = wanted.method.key, f"its system is built in, not q'' = -q but {self.words}"
+        key, system = wanted.method.key, self.words
         try:
             off, far = self.off(wanted)
         except MethodError as why:

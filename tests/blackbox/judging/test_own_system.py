@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftproof import Allowance, stepper_of, verify
+from driftproof import Allowance, identify, stepper_of, verify
 
 SOLVED = {"allowance": Allowance(solver_tolerance=Fraction(1, 10**12))}
 
@@ -224,3 +224,21 @@ def test_a_step_that_is_wrong_on_its_own_system_fails(name):
 
 def test_a_right_step_with_the_system_as_an_argument_passes():
     assert verify(lambda f, t, y, h: rk4_of(lambda t, y: f(t, y))(y, t, h), "rk4", examples=50, isolate=False).passed
+
+
+@pytest.mark.parametrize(
+    ("step", "answered", "words"),
+    [
+        (heat(), None, "one of 3 numbers: on it its steps are those of forward_euler"),
+        (backward, None, "v' = -15 q - 0.1 v: on it its steps are those of backward_euler"),
+        (bodies(), None, "one of 12 numbers: on it its steps are those of velocity_verlet"),
+        (dragged, None, "v' = -15 q - 0.1 v: verify shows more"),
+        (galaxy(True), False, "one of 18 numbers, and on it its steps are those of no method"),
+    ],
+)
+def test_identify_tells_which_system_is_built_in_and_whose_steps_it_takes_there(step, answered, words):
+    report = identify(step, isolate=False)
+    assert report.answered is answered
+    assert words in report.verdict
+    if "those of" in words and answered is None:
+        assert f"--method {words.split()[-1]}" in report.section("What to do").lines[0]
