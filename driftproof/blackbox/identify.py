@@ -27,7 +27,16 @@ from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Basis, Naming, Report, Section, sections, verification, without_duplicates
+from driftproof.blackbox.report import (
+    NOT_KNOWN,
+    Basis,
+    Naming,
+    Report,
+    Section,
+    sections,
+    verification,
+    without_duplicates,
+)
 from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, MAP, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
@@ -107,7 +116,7 @@ def identification_report(
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.outcome_of(partial(nonlinear_twins, keys=implicit)) if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic=arithmetic)
-    if seen.naming.basis is Basis.UNKNOWN and introduced.result and introduced.result.calls == MAP:
+    if seen.naming.words == NOT_KNOWN and introduced.result.calls == MAP:
         seen = replace(seen, own=runner.outcome_of(own_methods).result)
     rounding = Outcome()
     if seen.key is not None and METHODS[seen.key].explicit:
