@@ -193,7 +193,7 @@ class ObjectStep:
         start, other = self._filled(1.0, 0.5), self._filled(-0.5, 0.75)
 
         def course(*begins: list[list[float]] | None, zero: bool) -> list[list[float]]:
-            """Where a new object ends that makes a step from each of these, or from where it is."""
+            """The end of a new object that makes a step from each of these, or from its own place."""
             made = self._new()
             for parts in begins:
                 self._step(made, parts, [0.0, _TRIED] if zero and parts else [_TRIED])
