@@ -58,7 +58,7 @@ class StaleSlope(Misbehaviour):
 
 
 class OwnClock(Misbehaviour):
-    """The step takes no time, and asks for slopes at the times of a clock of its own, which goes on with each step."""
+    """A step begins with what it keeps, such as the time of a clock, and no argument sets it."""
 
     kind = "own_clock"
 
@@ -116,7 +116,7 @@ NO_EVIDENCE = {
     "time_limit": "a longer time limit",
     "killed": "a run whose process is not killed",
     "instrument_failed": "a report to us",
-    OwnClock.kind: "a step that begins at the time that it is given, as in the wrapper",
+    OwnClock.kind: "a step that begins in the state and at the time that it is given, as in the wrapper",
 }
 
 

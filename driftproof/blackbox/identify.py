@@ -18,6 +18,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
+from driftproof.blackbox.judging.own_system import own_methods
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
@@ -26,8 +27,17 @@ from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Naming, Report, Section, sections, verification, without_duplicates
-from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, SIGNATURES
+from driftproof.blackbox.report import (
+    NOT_KNOWN,
+    Basis,
+    Naming,
+    Report,
+    Section,
+    sections,
+    verification,
+    without_duplicates,
+)
+from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, MAP, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.support.plain_text import Json
@@ -105,7 +115,9 @@ def identification_report(
     best = None if fit.failed or known else fit.result.nearly or fit.result.best
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.outcome_of(partial(nonlinear_twins, keys=implicit)) if implicit else Outcome()
-    seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
+    seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic=arithmetic)
+    if seen.naming.words == NOT_KNOWN and introduced.result.calls == MAP:
+        seen = replace(seen, own=runner.outcome_of(own_methods).result)
     rounding = Outcome()
     if seen.key is not None and METHODS[seen.key].explicit:
         domain = ORDINARY_DOMAIN if seen.size >= 1 else replace(ORDINARY_DOMAIN, largest_state=seen.size)
@@ -160,7 +172,7 @@ class Identification:
             ("Faults", faults),
             ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
             ("Order", _orders(seen)),
-            ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
+            ("One-step matrix", [] if seen.fit is None or seen.naming.basis is Basis.UNDECIDED else seen.fit.lines),
             ("Damping", damping.lines if damping and not damping.faults else []),
             ("Error estimate", _returned_besides_y1(seen.estimate)),
             ("Dense output", _returned_besides_y1(seen.dense)),
@@ -181,10 +193,10 @@ class Identification:
         if near:
             key, wrong = near[0].key, "; ".join(near[0].differences)
             lines.append(f"if it should be {key}, correct this: {wrong}; then {held} {key}")
-        elif seen.key is not None:
-            solved = "" if seen.key not in METHODS or METHODS[seen.key].explicit else " --solver-tolerance 1e-10"
-            verified = f"{held} {seen.key}{solved}, or assert_verified in a test"
-            lines.append(f"if it should be {seen.key}, verify it: {verified}")
+        elif keys := [*filter(None, [seen.key]), *((seen.own and seen.own.keys) or ())]:
+            key = keys[0]
+            solved = "" if key not in METHODS or METHODS[key].explicit else " --solver-tolerance 1e-10"
+            lines.append(f"if it should be {key}, verify it: {held} {key}{solved}, or assert_verified in a test")
         else:
             lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
         if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:

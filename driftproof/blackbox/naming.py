@@ -12,6 +12,7 @@ from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
+from driftproof.blackbox.judging.own_system import OwnMethods
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit
@@ -83,6 +84,7 @@ class Seen:
     damping: Outcome
     twins: Outcome
     checks: tuple[CheckResult, ...]
+    own: OwnMethods | None = None  # what it is on another system than q'' = -q, asked where no method is named
     arithmetic: str = ""  # a change of the rounding mode or of subnormal numbers, in words
 
     @cached_property
@@ -191,6 +193,13 @@ class Seen:
         found: Damping | None = self.damping.result
         if self.ignores_step:
             return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {self.ignores_step}")
+        if self.own is not None and self.own.keys == ():
+            return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {self.own.system}, and on it its steps are those of no method")
+        if self.own is not None:
+            alike = (
+                f"on it its steps are those of {' or '.join(self.own.keys)}" if self.own.keys else "verify shows more"
+            )
+            return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {self.own.system}: {alike}", self.own.keys or ())
         return Naming(Basis.UNKNOWN, NOT_KNOWN if found is None else found.verdict)
 
     def _unknown_stages(self, read: Recognised) -> Naming:

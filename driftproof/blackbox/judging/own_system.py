@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from itertools import pairwise, product
+from itertools import chain, pairwise, product
 from math import cos, hypot, log2
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, ctx
@@ -18,14 +18,15 @@ from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, ordinary_
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
-from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.stage_solutions import step_by_iteration
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE, STEP, CallingConvention
+from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import TOGETHER
-from driftproof.methods.catalogue import of_one_state
+from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
 # Slopes are extrapolated from steps of 2**-8 of the system's own time and halves of these: what is cut off is below
@@ -36,9 +37,8 @@ _ROUGH, _FIRST = 2.0**-10, 2.0**-20
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
 _NEAR = 2.0**-18
 # Where methods are compared: at times, and at steps in units of the system's own time, long enough to tell methods of
-# one order apart; and at states so small that only the linear part shows, where an object's other numbers play no part.
-# Stages that contract by 3/4 settle in so many rounds.
-_TIMES, _COMPARED, _TINY, _ROUNDS = (0.0, 0.75), (1.0, 0.25), 2.0**-40, 80
+# one order apart, if slopes change by more than a part. Stages that contract by 3/4 settle in so many rounds.
+_TIMES, _COMPARED, _SEEN_BENT, _ROUNDS = (0.0, 0.75), (1.0, 0.25), 2.0**-16, 80
 
 
 class OwnSystem(Misbehaviour):
@@ -58,23 +58,53 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
 
     Raises OwnSystem, or NotOnOwnSystem, if another system is built in.
     """
-    found, given = explain_by_habits(subject, wanted, examples), subject.convention
-    if not found.holds and given.kind == MAP and not given.extra and CARRIED not in given.order:
-        (*_, (q, v)), _ = ordinary_arguments(subject, wanted.domain)
-        more = TOGETHER.get(subject.adapter.name, 0) - 2 if STATE in given.order else 0
-        # None of them has a 0, where a friction jumps.
-        states = [(q, v), (v / 2, q / 2), (-q, v / 4)]
-        others = [[v * cos(3 * i + place) for i in range(more)] for place in range(len(states))]
-        system = _OwnSystem.of(subject, [(*y, *other) for y, other in zip(states, others, strict=True)])
-        if system is not None:
-            system.compare(wanted)
-        if more > 0:
-            raise OwnSystem(f"its system of {more + 2} numbers is built in, and short steps show no slopes of it")
+    found = explain_by_habits(subject, wanted, examples)
+    if not found.holds and (system := own_system(subject, wanted.domain)):
+        system.compare(wanted)
     return found
 
 
+def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
+    """The system that a stepper has built in, if it is not q'' = -q. Raises OwnSystem if no slopes of it are seen."""
+    given, ((*_, (q, v)), _) = subject.convention, ordinary_arguments(subject, domain)
+    if given.kind != MAP or given.extra or CARRIED in given.order:
+        return None
+    # None of them has a 0, where a friction jumps.
+    states: list[tuple[float, ...]] = [(q, v), (v / 2, q / 2), (-q, v / 4)]
+    more = TOGETHER.get(subject.adapter.name, 0) - 2 if STATE in given.order else 0
+    states = [(*y, *[v * cos(3 * i + place) for i in range(more)]) for place, y in enumerate(states)]
+    if (begun := [*chain(*getattr(subject.function, "begun", ()))])[2:]:  # of an object with further numbers
+        of_all, more = subject.function.of_all, len(begun)  # type: ignore[attr-defined]
+        alone = CallingConvention(MAP, (STATE, STEP))
+        subject = replace(subject, function=of_all, convention=alone, adapter=ARRAYS, log=CallLog())
+        states = [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(len(states))]
+    system = OwnSteps.of(subject, states)
+    if system is None and more > 0:
+        raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and short steps show no slopes of it")
+    return system
+
+
+class OwnMethods(NamedTuple):
+    """A built-in system, and the methods whose steps a stepper takes there; None if they may be of one without."""
+
+    system: str
+    keys: tuple[str, ...] | None
+
+
+def own_methods(subject: ForeignStepper) -> OwnMethods | None:
+    """The system that a stepper has built in, with its methods there. Raises OwnSystem if no slopes of it are seen."""
+    if (system := own_system(subject, ORDINARY_DOMAIN)) is None:
+        return None
+    far = dict[str, str]()
+    for key, method in METHODS.items():
+        with suppress(MethodError):
+            far[key] = system.off(Specification(method))[1]
+    keys = tuple(key for key, words in far.items() if not words)
+    return OwnMethods(system.words, keys if keys or len(far) == len(METHODS) else None)
+
+
 @dataclass(frozen=True)
-class _OwnSystem:
+class OwnSteps:
     """The system of a stepper, the states at which it is seen, and a power of two near to its own time.
 
     A state y is [q, v], or has as many numbers as the stepper needs; of a splitting, half of them are positions.
@@ -123,7 +153,7 @@ class _OwnSystem:
         return rows[0], float(np.abs(rows[0] - last).max())
 
     @classmethod
-    def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, ...]]) -> _OwnSystem | None:
+    def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, ...]]) -> OwnSteps | None:
         """The system at the states with an answer; None if short steps have no slopes there, or those of q'' = -q."""
         first, seen = cls(subject, states), list[tuple[Array, Array]]()
         for y in states:
@@ -142,6 +172,10 @@ class _OwnSystem:
     @property
     def words(self) -> str:
         """The system in words, as it is near (0, 0), if it has slopes there."""
+        return f"its system is built in, not q'' = -q but {self._words}"
+
+    @property
+    def _words(self) -> str:
         if self.size > 2:
             return f"one of {self.size} numbers"
         tiny = self.unit * _NEAR
@@ -158,46 +192,47 @@ class _OwnSystem:
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
 
     def compare(self, wanted: Specification) -> None:
-        """Raise OwnSystem or, if a step is not the method's, not even near (0, 0), NotOnOwnSystem."""
-        key, system = wanted.method.key, f"its system is built in, not q'' = -q but {self.words}"
+        """Raise OwnSystem or, if a step is not the method's, NotOnOwnSystem."""
+        key, system = wanted.method.key, self.words
         try:
-            off, far = self._off(wanted, 1.0)
+            off, far = self.off(wanted)
         except MethodError as why:
             raise OwnSystem(f"{system}: steps of {key} on it are not known: {why}") from None
         if not far:
             raise OwnSystem(f"{system}: on it its steps are those of {key}, to {off:.0e}")
-        near, different = self._off_near_rest(wanted)
-        if not different and self.size == 2:
-            raise OwnSystem(f"{system}: near (0, 0) its steps are those of {key}, to {near:.0e}; elsewhere {far}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
-    def _off_near_rest(self, wanted: Specification) -> tuple[float, str]:
-        """How far steps of tiny states are off, where the system is at rest in (0, 0)."""
-        with suppress(Misbehaviour, ArithmeticError, MethodError):
-            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:  # of more numbers, all are seen
-                return self._off(wanted, _TINY)
-        return 0.0, "it is not at rest"
+    def off(self, wanted: Specification) -> tuple[float, str]:
+        """How far steps are off the method's, and the first that is too far off in words.
 
-    def _off(self, wanted: Specification, size: float) -> tuple[float, str]:
-        """How far steps from states of this size are off the method's, and the first that is too far off in words.
-
-        Steps without an answer, and those whose stages do not settle, are left out. Raises MethodError if all are.
+        Positions and velocities are compared each with their own size. Steps without an answer, and those whose stages
+        do not settle, are left out. Raises MethodError if all are, or if slopes hardly change in the others.
         """
-        method, found, why = of_one_state(wanted.method), list[float](), ""
+        method, found, why, bent = of_one_state(wanted.method), list[float](), "", 0.0
         allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-        for t, share, state in product(_TIMES, _COMPARED, self.states):
-            y, h = tuple(size * x for x in state), min(share * self.unit, wanted.domain.largest_step)
+        for t, share, y in product(_TIMES, _COMPARED, self.states):
+            h = min(share * self.unit, wanted.domain.largest_step)
             try:
                 seen, told = tuple(self._end(t, y, h)), self.step(method, t, y, h)
+                slopes = self.slopes(t, y), self.slopes(t + h, told)
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 continue
-            found.append(max(abs(a - b) for a, b in zip(seen, told, strict=True)) / max(map(abs, (size, *y, *told))))
+            found.append(self._apart(y, seen, told))
+            bent = max(bent, h * self._apart(y, *slopes))
             if not found[-1] <= allowed:
                 return found[-1], f"a step of {h:g} from {_ends(y, seen, method, told)}"
-        if not found:
-            raise MethodError(why)
+        if bent < _SEEN_BENT:
+            raise MethodError(why or "in a step of it slopes hardly change")
         return max(found), ""
+
+    def _apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
+        """The largest difference of two ends, each half of a state relative to its own size."""
+        halves = (slice(None, self.size // 2), slice(self.size // 2, None))
+        sizes = [max(map(abs, y[half])) or max(map(abs, y)) for half in halves]
+        return float(
+            max(np.abs(np.subtract(ends[x], others[x])).max() / size for x, size in zip(halves, sizes, strict=True))
+        )
 
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step. Raises MethodError, or ArithmeticError if its stages do not settle."""
@@ -207,8 +242,9 @@ class _OwnSystem:
             off = [*(up[:half] - 1), *(up - down)[half:]]
             if odd or np.abs(off).sum() > _HALF_THE_DIGITS * (1 + np.abs(up).sum()):
                 raise MethodError("it is not q'' = F(q)")
+            still = replace(self.problem, rate=lambda t, y: self.problem.rate(t, [*y[:half], *[0.0] * half]))
             with ctx.workprec(BITS):
-                return [float(x) for x in own_step(method, self.problem, t, y, h)]
+                return [float(x) for x in own_step(method, still, t, y, h)]
         tableau: Any = method.tableau(BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
         a, b, c = (np.array(part, dtype=float).tolist() for part in tableau)
         places = lambda i, place, _: self.slopes(t + c[i] * h, place)

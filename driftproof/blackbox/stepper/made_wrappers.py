@@ -219,6 +219,13 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
     return f"; write: {_Made(FIELD, cls, given, call, method, time=clock).line()}"
 
 
+def kept_wrapper(kept: Sequence[str], advance: Any) -> str:
+    """What to write in a call of `stepper_of` to set what an object keeps from its last step, with words to replace."""
+    puts = ", ".join(f"setattr(made, '{name}', {name.upper()}_AT_ITS_STATE)" for name in kept)
+    act = f"made.{advance}(h)" if isinstance(advance, str) else "ADVANCE(made, h)"
+    return f"; write advance=lambda made, h: ({puts}, {act}) in the call of stepper_of"
+
+
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
     """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
     kind = FORCE if takes_force((*names, *taken)) else FIELD

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
+from itertools import chain
+from math import isfinite
 from operator import attrgetter
 from typing import Any, TypeAlias
 
@@ -20,6 +23,8 @@ Object: TypeAlias = Any
 Location: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
 # How an object takes a number: the name of a method of one argument, or of an attribute; or a function.
 Act: TypeAlias = str | Callable[[Object, Any], object]
+# The step by which it is tried whether an object keeps more than its state, and what of its end may differ.
+_TRIED, _ALIKE = 0.25, 2.0**-20
 
 
 def stepper_of(
@@ -36,12 +41,14 @@ def stepper_of(
 
     `make(force)` builds an object that calls force(q) itself. `make()` builds one that calls nothing: `push` gives it
     the number force(q) before each step, or its system is built in. `position` and `velocity` are the places of q and
-    v, each an attribute or a pair of functions (get, put); of several numbers there, the first is used and the others
-    are set to 0. Or `state` is the place of both, its first two numbers. `advance` takes h.
+    v, each an attribute or a pair of functions (get, put); or `state` is the place of both, its first two numbers. Of
+    several numbers, the first is used, and the others are 0, or those of a new object if its system is built in; a
+    system that is not q'' = -q is judged by all of them. `advance` takes h.
 
-    One object makes all steps, so that it shows whether it remembers more than its state. After a step that is not
-    finite a new object is made, since what that step leaves in the old one would affect all later steps. With `anew`, a
-    new object makes each step. Raises TypeError if `make` takes other arguments.
+    One object makes all steps, so that it shows whether it remembers more than its state. What it keeps from its last
+    step, such as an acceleration, is brought up to date by a step of 0, if the next step begins with the same. After a
+    step that is not finite a new object is made, since what that step leaves in the old one would affect all later
+    steps. With `anew`, a new object makes each step. Raises TypeError if `make` takes other arguments.
 
     >>> from driftproof import stepper_of
     >>> class Body:
@@ -120,16 +127,106 @@ class ObjectStep:
 
     def moved(self, q: float, v: float, h: float, force: Callable[[float], float] | None = None) -> tuple[float, float]:
         """Write position and velocity into their places, advance the object, and read them."""
-        body = self._ready(force and partial(_by_first, force))
-        apart = len(self.places) == 2
-        places = [_Accessor.of(place, None if apart else 2) for place in self.places]
-        for place, numbers in zip(places, ([q], [v]) if apart else ([q, v],), strict=True):
-            place.write(body, numbers)
-        if self.push is not None and force is not None:
-            _act(body, self.push, force(q))
-        _act(body, self.advance, h)
-        q1, v1 = self._drop_unless_finite([x for place in places for x in place.read(body)])
+        ends = self._moved(force and partial(_by_first, force), self._filled(q, v), h)
+        q1, v1 = (end[0] for end in ends) if len(ends) == 2 else ends[0][:2]
         return q1, v1
+
+    def of_all(self, y: Sequence[float], h: float) -> list[float]:
+        """The step of a built-in system with all numbers of its object, those of the velocity last."""
+        cut = len(self.begun[0])
+        return list(chain(*self._moved(None, [[*part] for part in (y[:cut], y[cut:])[: len(self.places)]], h)))
+
+    @cached_property
+    def begun(self) -> list[list[float]]:
+        """All numbers in each place of a new object whose system is built in; of another, as many as are set."""
+        found = [[0.0] * (3 - len(self.places)) for _ in self.places]
+        if not self.takes_function and self.push is None:
+            made = self._new()
+            for place, numbers in zip(self.places, found, strict=True):
+                with suppress(Exception):  # functions, and what is not there before a step is made
+                    seen = as_array(attrgetter(place)(made))  # type: ignore[arg-type]
+                    numbers[:] = floats_in(seen, max(seen.size, len(numbers)))
+        return found
+
+    def _filled(self, q: float, v: float) -> list[list[float]]:
+        """The numbers of each place at this position and velocity, with the others of a new object."""
+        given = [[q], [v]] if len(self.places) == 2 else [[q, v]]
+        return [[*part, *begun[len(part) :]] for part, begun in zip(given, self.begun, strict=True)]
+
+    def _moved(self, function: Callable[..., Any] | None, parts: list[list[float]], h: float) -> list[list[float]]:
+        """The numbers of each place after a step; an object that leaves one that is not finite is dropped."""
+        body = self._ready(function)
+        self._step(body, parts, [0.0, h] if self.upkeep[0] else [h])
+        ends = self._read(body)
+        if not all(map(isfinite, chain(*ends))):
+            self.made = None
+        return ends
+
+    def _step(self, body: Object, parts: list[list[float]] | None, steps: Sequence[float]) -> None:
+        """Make steps from these numbers, or from where the object is; its force is pushed if it calls none."""
+        for place, numbers in zip(self.places, parts or (), strict=False):
+            _Accessor.of(place, len(numbers) if numbers[1:] else None).write(body, numbers)
+        for h in steps:
+            if self.push is not None and self.function is not None:
+                _act(body, self.push, self.function(parts[0][0] if parts else self._read(body)[0][0]))
+            _act(body, self.advance, h)
+
+    def _read(self, body: Object) -> list[list[float]]:
+        return [_Accessor.of(x, len(part)).read(body) for x, part in zip(self.places, self.begun, strict=True)]
+
+    @cached_property
+    def upkeep(self) -> tuple[bool, list[str]]:
+        """Whether a step of 0 comes before each step, and what of an object would still change the next one, by name.
+
+        A step of 0 comes first where it brings up to date what an object keeps besides its state, as its own steps do.
+        An object that goes on in another way is a method of several steps, or wrong, and is taken as it is.
+        """
+        function, self.function = self.function, lambda *asked: -1.0 * asked[0]
+        try:
+            return self._seen_upkeep() if "q" in self.names else (False, [])
+        except Exception:  # of foreign code, of which the step itself will tell
+            return False, []
+        finally:
+            self.function = function
+
+    def _seen_upkeep(self) -> tuple[bool, list[str]]:
+        start, other = self._filled(1.0, 0.5), self._filled(-0.5, 0.75)
+
+        def course(*begins: list[list[float]] | None, zero: bool) -> list[list[float]]:
+            """The end of a new object that makes a step from each of these, or from its own place."""
+            made = self._new()
+            for parts in begins:
+                self._step(made, parts, [0.0, _TRIED] if zero and parts else [_TRIED])
+            return self._read(made)
+
+        def alike(zero: bool) -> tuple[bool, bool]:
+            """Is a step the same after another one? Does an object go on as one does that is put there?"""
+            end = course(start, zero=zero)
+            on, put = (course(*begins, zero=zero) for begins in ([start, None], [end]))
+            return course(other, start, zero=zero) == end, np.allclose([*chain(*on)], [*chain(*put)], _ALIKE)
+
+        made, places = self._new(), [x.partition(".")[0] for x in self.places if isinstance(x, str)]
+        before = {name: repr(x) for name, x in vars(made).items()}
+        self._step(made, start, [_TRIED])
+        kept = [name for name, x in vars(made).items() if repr(x) != before.get(name) and name not in places]
+        same, on = alike(False)
+        if not kept or (on and (same or self.anew)) or course(start, zero=False) != course(start, zero=False):
+            return False, []  # nothing that matters, or random numbers
+        with suppress(Exception):
+            same, on = alike(True)
+            if same:
+                return on, []
+
+        def matters(name: str) -> bool:
+            """Does an object with this of another one make another step?"""
+            made, moved = self._new(), self._new()
+            self._step(moved, other, [_TRIED])
+            self._step(made, start, [])
+            setattr(made, name, getattr(moved, name))
+            self._step(made, None, [_TRIED])
+            return self._read(made) != course(start, zero=False)
+
+        return False, [*filter(matters, kept)] or kept
 
     def solved(self, f: Callable[..., Any], y: Sequence[float], h: float, t: float = 0.0) -> Any:
         """Write the state and the time, advance the object, and read its state, error estimate and dense output."""
@@ -142,7 +239,9 @@ class ObjectStep:
             (clock,) = _Accessor.of(place).read(solver)
             if not goes_on(t, clock, h):
                 raise RuntimeError(f"its clock goes from {t!r} to {clock!r} in a step of {h!r}")
-        y1 = np.array(self._drop_unless_finite(state.read(solver)))
+        y1 = np.array(state.read(solver))
+        if not np.isfinite(y1).all():
+            self.made = None
         beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
         if self.dense is not None:
             dense = attrgetter(self.dense)(solver)
@@ -153,14 +252,11 @@ class ObjectStep:
         """The object, made if need be, which calls `function` from now on."""
         self.function = function
         if self.made is None or self.anew:
-            self.made = self.make(self._answer) if self.takes_function else self.make()
+            self.made = self._new()
         return self.made
 
-    def _drop_unless_finite(self, numbers: list[float]) -> list[float]:
-        """The numbers after a step; if they are not finite, the object is dropped."""
-        if not np.isfinite(numbers).all():
-            self.made = None
-        return numbers
+    def _new(self) -> Object:
+        return self.make(self._answer) if self.takes_function else self.make()
 
     def _answer(self, *arguments: Any) -> Any:
         assert self.function is not None

@@ -28,7 +28,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, owner_of
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper, owner_of
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
@@ -258,6 +258,9 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         _require_time_of_end(subject, TRIAL_STATE[: len(end)])
     _require_time_returned(subject, TRIAL_STATE[: len(end)])
     _require_no_clock(subject, TRIAL_STATE[: len(end)])
+    if kept := getattr(subject.function, "upkeep", ("", ()))[1]:
+        line = kept_wrapper(kept, subject.function.advance)  # type: ignore[attr-defined]
+        raise OwnClock(f"a step depends on what it keeps from the last one, {', '.join(kept)}{line}")
     read_as = subject.convention
     if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import StaleSlope
+from driftproof.blackbox.findings import StaleSlope, WrongShape
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
@@ -45,12 +45,17 @@ _NAMES: Mapping[str, Sequence[str]] = {
 }
 # Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
-# The coordinates of a body in space.
+# The coordinates of a body in space; those that it has one by one, and what each is of the first, so that none of them
+# stands for another.
 _IN_SPACE = 3
+_AXES = {name: i % _IN_SPACE for i, name in enumerate(("x", "y", "z", "vx", "vy", "vz"))}
+_SHARES = (1.0, 0.5, 0.25)
 # In so short a step, every method moves a body on a spring back; in a long one the force changes by its own size.
 _SHORT, _LONG = 2.0**-10, 0.25
 # Unequal masses other than 1 show whether each force is divided by its own mass; accelerations are not divided.
 _HEAVY = (2.0, 4.0, 8.0)
+# Coordinates that differ by a smaller part move alike.
+_ALIKE = 2.0**-20
 # What stands in an array for the result, which a step that adds to it would take for its own.
 _LEFT_THERE = 0.59375
 # A kick that differs by this part is one by another force: of two multistep methods, short kicks differ by less.
@@ -85,6 +90,8 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
     """Yield the form of a call with these roles, if it has one; it has no parameters besides those of the form."""
     of_force = FUNCTION in held
     if _BODIES in held or {POSITION, VELOCITY} <= held:
+        if not of_force and _BODIES in held:
+            call.see_axes()
         for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
             with suppress(Exception):
                 call.see_what_is_left(places)
@@ -94,8 +101,8 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
             yield form
         elif call.stale or _pulls_back(call):
             yield lambda q, v, h: call.moved(None, q, v, h)
-        else:  # bodies that attract each other: three in space, of unequal masses
-            call.heavy, shape = _HEAVY, (2, len(_HEAVY), _IN_SPACE)
+        else:  # bodies that attract each other: three in space or in the plane, of unequal masses
+            call.heavy, shape = _HEAVY, (2, len(_HEAVY), call.axes or _IN_SPACE)
             yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
     elif STATE in held and of_force:
         yield lambda f, t, y, h: call.solved(f, t, y, h)
@@ -146,6 +153,13 @@ class _Call:
         divided = {_MASS, _BODIES} & {*roles.values()} and (self.of_force or is_acceleration(function))
         self.heavy = _HEAVY if divided else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
+        self.asked, self.axes = set[str](), 0  # the names of a body's parts; how many coordinates it has one by one
+
+    def see_axes(self) -> None:
+        """Note how many coordinates a body has, if it is asked for each by its name."""
+        with suppress(Exception):
+            self.moved(None, 1.0, 0.5, _LONG)
+        self.axes = max(_AXES[each] + 1 for each in self.asked & {*_AXES}) if {"x", "y"} <= self.asked else 0
 
     def see_what_is_left(self, places: Any) -> None:
         """Note the names of what a step leaves in objects or slopes if it changes the next one by part of a kick."""
@@ -220,9 +234,10 @@ class _System:
         self.places, self.speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
         self.masses = np.resize(call.heavy[:1] if call.alike else call.heavy, len(self.places))
         self.factors = call.sign * self.masses.reshape(-1, *[1] * (self.places.ndim - 1)) ** call.of_force
-        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
+        shares = np.array(_SHARES[: call.axes]) if call.axes else 1.0
+        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else x * shares
         each = zip(self.places, self.speeds, self.masses, strict=True) if _BODIES in call.roles.values() else ()
-        self.bodies = bodies or [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
+        self.bodies = bodies or [_Body(one(q), one(v), float(mass), call) for q, v, mass in each]
 
     def pushes(self, at: Any, whose: int | None = None) -> Any:
         """The forces at these places, in their shape, times the masses unless they are accelerations, or gradients."""
@@ -244,9 +259,18 @@ class _System:
         """The new positions and velocities: those of bodies, those returned, or those written into the arrays."""
         if self.bodies:
             moved = answer if isinstance(answer, list | tuple) and len(answer) == len(self.bodies) else self.bodies
-            return tuple(np.array([getattr(b, role) for b in moved]).reshape(self.shape) for role in ("pos", "vel"))
+            return tuple(self._first([getattr(b, role) for b in moved]).reshape(self.shape) for role in ("pos", "vel"))
         pair = answer if answer is not None else outs if len(outs) == 2 else (self.places, self.speeds)
         return tuple(np.reshape(x, self.shape) for x in pair[:2])
+
+    def _first(self, numbers: Sequence[Foreign]) -> Any:
+        """The numbers of all bodies; of coordinates that began as parts of the first, the first, if they still are."""
+        found = np.array(numbers)
+        if self.places.ndim > 1 or not self.call.axes:
+            return found
+        if not np.allclose(found, found[:, :1] * _SHARES[: self.call.axes], _ALIKE, 0):
+            raise WrongShape("the coordinates of a body do not move alike")
+        return found[:, 0]
 
 
 def _arrays_and_numbers(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
@@ -263,23 +287,30 @@ def _written(slopes: Any, arrays: Sequence[Foreign]) -> Any:
 
 
 class _Body:
-    """An object with a position, a velocity and a mass, each under any of its usual names."""
+    """An object with a position, a velocity and a mass, each under any of its usual names, or one by one."""
 
-    def __init__(self, pos: Any, vel: Any, mass: float) -> None:
+    def __init__(self, pos: Any, vel: Any, mass: float, call: _Call | None = None) -> None:
         self.pos, self.vel, self.mass = pos, vel, mass
+        self.__dict__["call"] = call
 
     def __getattr__(self, name: str) -> Any:
         known = _attribute(name)
         if name.startswith("__") or known == name:
             raise AttributeError(name)
-        return getattr(self, known)
+        if self.call is not None:
+            self.call.asked.add(name)
+        one_by_one = self.call is not None and self.call.axes and name in _AXES
+        return getattr(self, known)[_AXES[name]] if one_by_one else getattr(self, known)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        self.__dict__[_attribute(name)] = value
+        if name in _AXES and self.call is not None and self.call.axes:
+            self.__dict__[_attribute(name)][_AXES[name]] = value
+        else:
+            self.__dict__[_attribute(name)] = value
 
 
 def _attribute(name: str) -> str:
-    kinds = {"pos": _NAMES[POSITION], "vel": _NAMES[VELOCITY], "mass": _NAMES[_MASS]}
+    kinds = {"pos": (*_NAMES[POSITION], "z"), "vel": (*_NAMES[VELOCITY], "vz"), "mass": _NAMES[_MASS]}
     return next((kind for kind, names in kinds.items() if name.lower() in names), name)
 
 

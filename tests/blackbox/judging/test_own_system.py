@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftproof import Allowance, stepper_of, verify
+from driftproof import Allowance, identify, stepper_of, verify
 
 SOLVED = {"allowance": Allowance(solver_tolerance=Fraction(1, 10**12))}
 
@@ -125,6 +125,29 @@ def galaxy(stale=False, masses=1.0):
     return step
 
 
+class Bodies:
+    """Two in space, whose accelerations are kept from the last step."""
+
+    def __init__(self, unit, kept):
+        self.unit, self.kept, self.vel = unit, kept, np.zeros((2, 3))
+        self.pos = np.array([[0.0, 0.0, 0.0], [unit, 0.5 * unit, 0.0]])
+        self.acc = self.accelerations()
+
+    def accelerations(self):
+        return attraction(self.pos / self.unit, np.array([1.0, 0.25])) / self.unit**2
+
+    def step(self, dt):
+        self.vel = self.vel + dt / 2 * self.acc
+        self.pos = self.pos + dt * self.vel
+        acc = self.accelerations()
+        self.vel = self.vel + dt / 2 * acc
+        self.acc = self.kept(self, acc)
+
+
+def bodies(kept=lambda made, acc: acc, unit=1.0, **how):
+    return stepper_of(lambda: Bodies(unit, kept), position="pos", velocity="vel", **how)
+
+
 def moved(made, h):
     made.dt = h
     made.step()
@@ -147,10 +170,17 @@ RIGHT = {
         "symplectic_euler",
         "v' = -15 q - 0.1 v: steps of symplectic_euler on it are not",
     ),
-    "two numbers of three": (
+    "all numbers of an object": (
         stepper_of(Lorenz, state="state", advance=moved),
         "rk4",
-        "near (0, 0) its steps are those",
+        "one of 3 numbers: on it its steps are those of rk4",
+    ),
+    "bodies of an object": (bodies(), "velocity_verlet", "of 12 numbers: on it its steps are those of velocity_verlet"),
+    "bodies made anew": (bodies(anew=True), "velocity_verlet", "of 12 numbers: on it its steps are those of"),
+    "too slow to see": (
+        bodies(unit=1e4),
+        "velocity_verlet",
+        "on it are not known: in a step of it slopes hardly change",
     ),
 }
 WRONG = {
@@ -166,6 +196,8 @@ WRONG = {
     "a slope of three numbers": (lorenz(2), "rk4", "one of 3 numbers: a step of"),
     "a grid": (heat(0.5), "forward_euler", "one of 3 numbers: a step of"),
     "three bodies": (galaxy(True), "velocity_verlet", "one of 18 numbers: a step of"),
+    "bodies of an object": (bodies(lambda made, acc: made.acc), "velocity_verlet", "of 12 numbers: a step of"),
+    "bodies by another method": (bodies(), "symplectic_euler", "of 12 numbers: a step of"),
     "three masses": (galaxy(masses=0.5), "velocity_verlet", "one of 18 numbers: a step of"),
     "a drag per step": (lambda x, v, dt: (x + dt * v, 0.99 * v - 15 * dt * x), "forward_euler", "halving h doubles it"),
     "no slopes": (lambda x, v, dt: (x + dt * v, v - x), "forward_euler", "h is missing"),
@@ -192,3 +224,21 @@ def test_a_step_that_is_wrong_on_its_own_system_fails(name):
 
 def test_a_right_step_with_the_system_as_an_argument_passes():
     assert verify(lambda f, t, y, h: rk4_of(lambda t, y: f(t, y))(y, t, h), "rk4", examples=50, isolate=False).passed
+
+
+@pytest.mark.parametrize(
+    ("step", "answered", "words"),
+    [
+        (heat(), None, "one of 3 numbers: on it its steps are those of forward_euler"),
+        (on(hunters), None, "v' = -0.4 v near (0, 0): on it its steps are those of rk4"),
+        (bodies(), None, "one of 12 numbers: on it its steps are those of velocity_verlet"),
+        (heat(0.5), None, "one of 3 numbers: verify shows more"),
+        (galaxy(True), False, "one of 18 numbers, and on it its steps are those of no method"),
+    ],
+)
+def test_identify_tells_which_system_is_built_in_and_whose_steps_it_takes_there(step, answered, words):
+    report = identify(step, isolate=False)
+    assert report.answered is answered
+    assert words in report.verdict
+    if "those of" in words and answered is None:
+        assert f"--method {words.split()[-1]}" in report.section("What to do").lines[0]

@@ -14,6 +14,7 @@ from driftproof.blackbox.identify import identify
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.verify import verify
 from tests.blackbox.transcripts import summed
 
 
@@ -39,6 +40,49 @@ class Remembering(Body):
         self.x += dt * self.v
         self.last = self.force(self.x)
         self.v += dt / 2 * self.last
+
+
+class Belated(Remembering):
+    """Wrong: it leaves the force at the place before the last."""
+
+    def update(self, dt):
+        before = self.x
+        super().update(dt)
+        self.last = self.force(before)
+
+
+class Cached:
+    """Verlet of a spring, with the acceleration of its last step, or of where it was made."""
+
+    def __init__(self):
+        self.x, self.v = 1.0, 0.0
+        self.a, self.steps = self.acceleration(), 0
+
+    def acceleration(self):
+        return -self.x
+
+    def update(self, dt):
+        self.x += dt * self.v + dt**2 / 2 * self.a
+        before, self.a = self.a, self.acceleration()
+        self.v += dt / 2 * (before + self.a)
+        self.steps += 1
+
+
+class Standing(Cached):
+    """Makes no step of 0."""
+
+    def update(self, dt):
+        if dt:
+            super().update(dt)
+
+
+class Forgetful(Cached):
+    """Wrong: the acceleration stays that of where it was made."""
+
+    def update(self, dt):
+        a = self.a
+        super().update(dt)
+        self.a = a
 
 
 class InTheFlat(Remembering):
@@ -103,6 +147,7 @@ remembering = stepper_of(Remembering, position="x", velocity="v", advance="updat
 renewed = stepper_of(Remembering, position="x", velocity="v", advance="update", anew=True)
 pushed = stepper_of(Engine, position="body.position", velocity="body.velocity", push="apply")
 pushed_by_attribute = stepper_of(Engine, position="body.position", velocity="body.velocity", push="push")
+belated = stepper_of(Belated, position="x", velocity="v", advance="update")
 spring = stepper_of(Spring, state="state")
 by_functions = stepper_of(
     lambda force: {"force": force},
@@ -114,6 +159,7 @@ solver = field_stepper_of(Solver, time="t")
 solver_without_time = field_stepper_of(lambda f: Solver(lambda t, y: f(y)))
 NAMED = {
     "body": (body, "it is symplectic_euler"),
+    "remembering": (remembering, "it is velocity_verlet"),
     "renewed": (renewed, "it is velocity_verlet"),
     "flat": (stepper_of(InTheFlat, position="x", velocity="v", advance="update", anew=True), "it is velocity_verlet"),
     "pushed": (pushed, "it is symplectic_euler"),
@@ -144,18 +190,34 @@ def test_attributes_and_functions_do_for_methods():
 
 
 def test_an_object_that_remembers_is_told_from_one_made_anew():
-    memory = next(check for check in repeats(opened(remembering)) if check.key == "no_memory")
+    memory = next(check for check in repeats(opened(belated)) if check.key == "no_memory")
     assert memory.holds is False
-    assert "remembers every call" in memory.words
-    assert "velocity_verlet" not in identify(remembering).verdict
+    assert "depends on the previous call" in memory.words
+    assert "velocity_verlet" not in identify(belated).verdict
     assert all(check.holds for check in repeats(opened(renewed)))
 
 
-def test_what_lies_beside_the_state_becomes_zero():
+@pytest.mark.parametrize("anew", [False, True])
+def test_what_an_object_keeps_is_brought_up_to_date_or_named_and_what_it_forgets_is_no_excuse(anew):
+    def judged(cls, **how):
+        how = {"advance": "update", "anew": anew, **how}
+        return verify(stepper_of(cls, position="x", velocity="v", **how), "velocity_verlet", examples=50, isolate=False)
+
+    assert judged(Cached).passed is True
+    undecided = judged(Standing)
+    assert undecided.passed is None
+    assert "what it keeps from the last one, a;" in undecided.verdict
+    advance = re.search(r"write advance=(.*) in the call", undecided.verdict)[1]
+    assert "A_AT_ITS_STATE" in advance
+    assert judged(Standing, advance=eval(advance.replace("A_AT_ITS_STATE", "made.acceleration()"))).passed is True
+    assert judged(Forgetful).passed is False
+
+
+def test_what_lies_beside_the_state_is_as_in_a_new_object():
     seen = []
     noting = stepper_of(Spring, state="state", advance=lambda spring, h: seen.append(list(spring.state)))
     noting(1.0, 2.0, 0.5)
-    assert seen == [[1.0, 2.0, 0.0]]
+    assert seen[-1] == [1.0, 2.0, 7.0]
 
 
 def test_an_object_whose_array_is_narrow_keeps_it_narrow():

@@ -260,3 +260,39 @@ def test_what_cannot_be_opened_so_is_refused_with_what_to_write_for_each_word():
         ValueError, match=r"a step that takes its right-hand side, which no argument is: def unknown\(f, y, h\)"
     ):
         opened(unknown)
+
+
+def planets(typo="vy", after=False, pull=0.0):
+    """Coordinates one by one: each planet on a spring of its own, or drawn to the others."""
+
+    def step(planets, dt):
+        def kicks(p):
+            others = [(q.x - p.x, q.y - p.y, q.mass) for q in planets if q is not p] if pull else [(-p.x, -p.y, 1.0)]
+            weights = [m / (pull + x * x + y * y) ** 1.5 if pull else m for x, y, m in others]
+            return [sum(w * each[i] for w, each in zip(weights, others, strict=True)) for i in (0, 1)]
+
+        known = [kicks(p) for p in planets]
+        for p, before in zip(planets, known, strict=True):
+            ax, ay = kicks(p) if after else before
+            p.vx += ax * dt
+            p.vy += ay * dt
+            p.x += p.vx * dt
+            p.y += getattr(p, typo) * dt
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("step", "passed", "words"),
+    [
+        (planets(), True, "is symplectic_euler on q'' = -q"),
+        (planets(pull=0.01), None, "one of 12 numbers: on it its steps are those of symplectic_euler"),
+        (planets(typo="vx"), False, "one of 12 numbers: a step of"),
+        (planets(after=True, pull=0.01), False, "one of 12 numbers: a step of"),
+    ],
+    ids=["springs", "drawn", "mixed up", "one after the other"],
+)
+def test_coordinates_one_by_one_are_told_apart(step, passed, words):
+    found = verify(step, "symplectic_euler", examples=30, isolate=False)
+    assert found.passed is passed
+    assert words in found.verdict
