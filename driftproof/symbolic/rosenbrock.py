@@ -162,9 +162,9 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method = self.method
-        if method.field or method.claimed_order == self.order:
+        if method.claimed_order == self.order:
             return None
-        return rounded_order(lambda by: self._conditions(method.b, by), method.coefficients(), MOST_VERTICES)
+        return rounded_order(lambda by: self._conditions(method.b, by), method, MOST_VERTICES)
 
     @cached_property
     def w_order(self) -> int:

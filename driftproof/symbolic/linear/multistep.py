@@ -43,7 +43,7 @@ from driftproof.symbolic.algebra.real_roots import (
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
 from driftproof.symbolic.linear.facts import AStability, ExactFunction, FactsOfFamily, Sector, fact_names
-from driftproof.symbolic.linear.printed_digits import RoundedOrder, decimal_roundings, order_by_jump
+from driftproof.symbolic.linear.printed_digits import RoundedOrder, order_within_digits, roundings
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
@@ -126,10 +126,12 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         method = self.method
         if method.claimed_order == self.order:
             return None
-        off = decimal_roundings(method.coefficients())
+        off = roundings(method)
         rho, sigma = [off(x) for x in method.rho], [-off(x) for x in method.sigma]  # so that nothing cancels
-        sizes = (arb(as_fmpq(abs(self._residual(power)))) for power in range(2 * method.steps + 4))
-        found = order_by_jump(sizes, lambda n: arb(as_fmpq(_residual(rho, sigma, method.derivative, n - 1))))
+        powers = range(2 * method.steps + 4)
+        pairs = ((abs(self._residual(n)), _residual(rho, sigma, method.derivative, n)) for n in powers)
+        balls = ([(arb(as_fmpq(size)), arb(as_fmpq(radius)))] for size, radius in pairs)
+        found = order_within_digits(balls, method.decimal)
         return found and found._replace(order=found.order - method.derivative)
 
     @cached_property
