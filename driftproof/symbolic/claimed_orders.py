@@ -8,10 +8,13 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from driftproof.methods.catalogue import Entry
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import Collocation, Method, Splitting, Staged
 from driftproof.symbolic.algebra.certified import AWAY, scientific
+from driftproof.symbolic.algebra.polynomials import X, polynomial
 from driftproof.symbolic.facts import derived, order_within
 from driftproof.symbolic.linear.printed_digits import JUMP, RESIDUAL_DIGITS
+from driftproof.symbolic.linear.root_condition import root_condition
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER
 from driftproof.symbolic.trees.order_in_balls import rounded_order
 from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions
@@ -38,7 +41,7 @@ def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[U
 
     An order holds that is missed only by the rounding of the coefficients, as far as their digits explain it, which is
     proved by a jump of the residuals or said by the table; of a splitting also if it is that on q'' = F(q) alone, which
-    authors of such methods claim.
+    authors of such methods claim; of a multistep method only if it is zero-stable.
 
     >>> from dataclasses import replace
     >>> from driftproof import METHODS
@@ -69,7 +72,8 @@ def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> Unr
     if reached < claimed:
         reached = max(reached, *_but_for_rounding(method))
     if reached >= claimed:
-        return None
+        unstable = _unstable(method) if isinstance(method, Multistep) and claimed else ""
+        return UnreachedOrder(method, embedded, reached, unstable) if unstable else None
     residual, remark = facts.order_fails.residual, ""
     if not isinstance(method, Collocation) and not getattr(method, "field", None):
         small = JUMP * abs(residual)
@@ -79,6 +83,13 @@ def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> Unr
             size = scientific(abs(residual), RESIDUAL_DIGITS, AWAY)
             remark = f": a condition fails by {size}, more than its digits explain"
     return UnreachedOrder(method, embedded, reached, remark)
+
+
+def _unstable(method: Multistep) -> str:
+    """Why the method is not zero-stable, "" if it is; a rounding of rho that moves the root 1 is left out."""
+    times = method.derivative
+    found = root_condition(polynomial(method.rho) // (X - 1) ** times * (X - 1) ** times, times)
+    return "" if found.holds else f", but is not zero-stable: {found.reason}"
 
 
 def _but_for_rounding(method: Entry) -> Iterator[int]:
