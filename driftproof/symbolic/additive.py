@@ -120,6 +120,8 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     def _both(self) -> ColouredConditions:
         return self._conditions(self.method.b_explicit, self.method.b_implicit)
 
+    conditions = property(lambda self: self._both)
+
     @property
     def _embedded(self) -> ColouredConditions | None:
         rows = self.method.b_explicit_embedded, self.method.b_implicit_embedded

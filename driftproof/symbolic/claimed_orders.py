@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.schemes import Collocation, Method, Splitting, Staged
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
 from driftproof.symbolic.algebra.certified import AWAY, scientific
 from driftproof.symbolic.algebra.polynomials import X, polynomial
 from driftproof.symbolic.facts import derived, order_within
@@ -17,7 +19,10 @@ from driftproof.symbolic.linear.printed_digits import JUMP, RESIDUAL_DIGITS
 from driftproof.symbolic.linear.root_condition import root_condition
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER
 from driftproof.symbolic.trees.order_in_balls import rounded_order
-from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions
+from driftproof.symbolic.trees.partitioned_trees import general_conditions, nystrom_conditions
+
+# Chosen: each entry that is tried costs the evaluation of the order conditions.
+_MOST_ENTRIES = 70
 
 
 class UnreachedOrder(NamedTuple):
@@ -99,3 +104,65 @@ def _but_for_rounding(method: Entry) -> Iterator[int]:
         found.append(rounded_order(lambda by: nystrom_conditions(method, by), method, TOLERANCE_ORDER))
     for each in found:
         yield 0 if each is None else each.order if each.next_residual is not None else method.claimed_order
+
+
+def restoring_entries(method: Entry, claimed: int) -> list[str]:
+    """The entries whose change alone restores the order claimed, each as a line of text.
+
+    The first order condition that is linear in the entry, as those of the tall trees are in one of an explicit table,
+    leaves one value, for which the order is derived. A c that has the sums of the rows of A follows them.
+    """
+    if isinstance(method, Collocation) or len([*method.coefficients()]) > _MOST_ENTRIES:
+        return []
+    method, found = replace(method, claimed_order=claimed), []
+    if _unreached(method, False, None) is None:
+        return []
+    for name, was, changed in _entries(method):
+        try:
+            value = _solved(changed, claimed)
+            if value not in (None, was) and _unreached(changed(value), False, None) is None:
+                what = f"{name} = {value} in place of {was}"
+                found.append(f"with this one entry changed, order {claimed} is restored: {what}")
+        except MethodError:  # the value is one that no such method has
+            continue
+    return found
+
+
+def _entries(method: Any) -> Iterator[tuple[str, Exact, Callable[[Exact], Any]]]:
+    """Each entry that may be wrong, by name, with its value, and the method with another in its place."""
+    sums = isinstance(method, RungeKutta) and method.c == tuple(map(sum, method.a))
+    tables = *getattr(method, "matrices", ()), *getattr(method, "rows", ("parts", "rho", "sigma"))
+    for name in tables:
+        for i, row in enumerate(getattr(method, name, None) or () if "embedded" not in name else ()):
+            if name in getattr(method, "matrices", ()):
+                for j, x in enumerate(row[: i + 1] if row[i] else row[:i]):
+                    yield f"{name}[{i}][{j}]", x, partial(_changed, method, sums, name, i, j)
+            elif not (sums and name == "c"):
+                yield f"{name}[{i}]", row[1] if name == "parts" else row, partial(_changed, method, sums, name, i, None)
+
+
+def _changed(method: Any, sums: bool, name: str, i: int, j: int | None, value: Exact) -> Any:
+    rows = list(getattr(method, name))
+    kind = (rows[i][0],) if name == "parts" else ()
+    rows[i] = (*kind, value) if kind else value if j is None else (*rows[i][:j], value, *rows[i][j + 1 :])
+    return replace(method, **{name: tuple(rows)}, **({"c": tuple(map(sum, rows))} if sums and j is not None else {}))
+
+
+def _solved(changed: Callable[[Exact], Any], claimed: int) -> Any:
+    """The value of the entry for which the first condition that is linear in it holds; None without one."""
+    below, start, end = (_residuals(changed(Fraction(x)), claimed) for x in (-1, 0, 1))
+    for before, at_zero, at_one in zip(below, start, end, strict=False):
+        if at_zero != at_one and before + at_one == 2 * at_zero:
+            return at_zero / (at_zero - at_one)
+    return None
+
+
+def _residuals(method: Entry, claimed: int) -> Iterator[Any]:
+    """The residuals of the order conditions up to the order that is claimed."""
+    facts = derived(method)
+    if isinstance(method, Multistep):
+        yield from map(facts.residual, range(claimed + method.derivative))
+        return
+    conditions = general_conditions(method) if isinstance(method, Method) else facts.conditions
+    for n in range(1, claimed + 1):
+        yield from (conditions.scalars.exact(x) for _, x in conditions.residuals(n))

@@ -204,6 +204,8 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
         w_order = order_to_tolerance(WConditions(self.method), tolerance)
         return OrdersWithin(tolerance, orders[0] or 0, w_order, orders[1])
 
+    conditions = property(lambda self: self._conditions(self.method.b))
+
     @cached_property
     def _linear(self) -> LinearFacts:
         return LinearFacts(self.method.linear_twin())

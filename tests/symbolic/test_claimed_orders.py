@@ -10,7 +10,7 @@ import pytest
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.symbolic.claimed_orders import unreached_orders
+from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders
 from tests.looping import some
 
 
@@ -153,3 +153,35 @@ def test_a_multistep_method_that_is_not_zero_stable_has_no_order_to_claim():
     bdf3 = [round(x / Q(11, 6), 12) for x in (Q(-1, 3), Q(3, 2), -3, Q(11, 6))]
     table = Multistep("m", "m", 3, "", tuple(bdf3), (0, 0, 0, round(Q(6, 11), 12)), decimal=True)
     assert said(table) == said(replace(table, rho=(bdf3[0] - Q(1, 10**12), *bdf3[1:]))) == []
+
+
+AB3, ROS2, ARS = FACTS_ONLY["adams_bashforth3"], FACTS_ONLY["ros2"], FACTS_ONLY["ars443"]
+# For each family a method with one entry changed, and what restores it.
+ONE_WRONG = {
+    "multistep": (replace(AB3, sigma=(*AB3.sigma[:2], Q(25, 12), 0)), f"sigma[2] = {AB3.sigma[2]} in place of 25/12"),
+    "nystrom": (
+        replace(METHODS["nystrom4"], b_position=(Q(1, 6), Q(1, 6), 0)), "b_position[1] = 1/3 in place of 1/6",
+    ),
+    "splitting": (
+        replace(METHODS["velocity_verlet"], parts=(("kick", Q(1, 2)), ("drift", 1), ("kick", Q(1, 3)))),
+        "parts[2] = 1/2 in place of 1/3",
+    ),
+    "rosenbrock": (replace(ROS2, b=(Q(1, 2), Q(1, 3))), "b[1] = 1/2 in place of 1/3"),
+    "additive": (
+        replace(ARS, b_implicit=(0, Q(3, 2), Q(-3, 2), Q(1, 3), Q(1, 2))), "b_implicit[3] = 1/2 in place of 1/3",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("family", ONE_WRONG)
+def test_the_one_entry_that_restores_an_order_is_named_in_every_family(family):
+    """With a second entry wrong there is none."""
+    method, what = ONE_WRONG[family]
+    line = f"with this one entry changed, order {method.claimed_order} is restored: {what}"
+    assert line in restoring_entries(method, method.claimed_order)
+    name = {"multistep": "rho", "nystrom": "b_velocity", "splitting": "parts", "additive": "b_explicit"}.get(
+        family, "b"
+    )
+    row = list(getattr(method, name))
+    row[0] = ("kick", Q(1, 7)) if family == "splitting" else Q(1, 7)
+    assert line not in restoring_entries(replace(method, **{name: tuple(row)}), method.claimed_order)

@@ -118,7 +118,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     @cached_property
     def order_fails(self) -> Residual:
         """The first power of t that the method does not reproduce, with its residual for h = 1."""
-        return next(Residual(power, x) for power in count() if (x := self._residual(power)))
+        return next(Residual(power, x) for power in count() if (x := self.residual(power)))
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
@@ -129,7 +129,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         off = roundings(method)
         rho, sigma = [off(x) for x in method.rho], [-off(x) for x in method.sigma]  # so that nothing cancels
         powers = range(2 * method.steps + 4)
-        pairs = ((abs(self._residual(n)), _residual(rho, sigma, method.derivative, n)) for n in powers)
+        pairs = ((abs(self.residual(n)), _residual(rho, sigma, method.derivative, n)) for n in powers)
         balls = ([(arb(as_fmpq(size)), arb(as_fmpq(radius)))] for size, radius in pairs)
         found = order_within_digits(balls, method.decimal)
         return found and found._replace(order=found.order - method.derivative)
@@ -217,7 +217,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         found = (self._locus_point(t) for t in [*halves, Fraction(1), *(1 / t for t in reversed(halves))])
         return [point for point in found if point is not None]
 
-    def _residual(self, power: int) -> Fraction:
+    def residual(self, power: int) -> Fraction:
+        """The residual on solutions tᵖ, over p!, p = `power`."""
         return _residual(self.method.rho, self.method.sigma, self.method.derivative, power)
 
     @property
