@@ -19,7 +19,7 @@ from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.walks import back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
-from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
+from driftproof.blackbox.matching.entries import other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, is_pair, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.dense import DenseOutputDiffers
@@ -151,6 +151,8 @@ def _other_coefficients(method: Method, reading: CoefficientReading, identity: I
     if isinstance(method, RungeKutta | Collocation) and (reading.implicit or isinstance(reading, TableauReading)):
         lines += side_by_side(reading, method)
     if isinstance(method, RungeKutta | Collocation) and isinstance(reading, TableauReading):
+        from driftproof.symbolic.claimed_orders import restoring_entries
+
         read = rational_method(reading, "read")
         lines += restoring_entries(read, method.claimed_order) if read is not None else []
     found = [difference for near in identity.near for difference in near.differences]

@@ -15,8 +15,9 @@ class Rosenbrock(Staged):
 
     α is strictly lower triangular, γ lower triangular; γᵢᵢ = 0 makes a stage explicit. If f depends on t, stage i is at
     t + h Σⱼ αᵢⱼ and has the further term h Σⱼ γᵢⱼ ∂f/∂t, as for y' = f made autonomous. `b_embedded`, of order
-    `embedded_order`, is the second row of weights of a pair. Other fields as in `RungeKutta`
-    (hairer-wanner-1996, IV.7). Raises MethodError.
+    `embedded_order`, is the second row of weights of a pair. `places` are the decimals of a source that prints other
+    numbers, from which these are computed. Other fields as in `RungeKutta` (hairer-wanner-1996, IV.7).
+    Raises MethodError.
 
     >>> Rosenbrock("mine", "Linearly implicit Euler", 1, "", alpha=((0,),), gamma=((1,),), b=(1,)).stages
     1
@@ -33,6 +34,7 @@ class Rosenbrock(Staged):
     b_embedded: tuple[Exact, ...] | None = None
     embedded_order: int | None = None
     decimal: bool = False
+    places: int | None = None
 
     def linear_twin(self) -> RungeKutta:
         """The Runge-Kutta method with A = α + γ: the same step on linear problems with constant coefficients."""

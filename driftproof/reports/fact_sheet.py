@@ -13,11 +13,11 @@ from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rationals import ExactNumber, exact_number
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import subject_of
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
-from driftproof.symbolic.claimed_orders import unreached_orders
+from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders
 from driftproof.symbolic.facts import (
     FACTS,
     ON_REQUEST,
@@ -71,12 +71,9 @@ class FactSheet(Printable):
         lines: list[str] = []
         for found in unreached_orders(self._claims_of, self._tolerance) if self._claims_of else ():
             lines.append(str(found))
-            if isinstance(found.method, RungeKutta):
-                from driftproof.blackbox.matching.entries import restoring_entries
-
-                row = " b_embedded[" if found.embedded else " b["
-                entries = restoring_entries(found.method, found.method.claimed_order)
-                lines += [entry.replace(" b[", row) for entry in entries]
+            row = " b_embedded[" if found.embedded else " b["
+            entries = restoring_entries(found.method, found.method.claimed_order)
+            lines += [entry.replace(" b[", row) for entry in entries]
         return tuple(lines)
 
     @cached_property

@@ -68,10 +68,10 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method = self.method
-        if method.field or method.claimed_order == self.order:
+        if method.claimed_order == self.order:
             return None
         rows = method.b_explicit, method.b_implicit
-        return rounded_order(lambda by: self._conditions(*rows, by), method.coefficients(), MOST_VERTICES)
+        return rounded_order(lambda by: self._conditions(*rows, by), method, MOST_VERTICES)
 
     @cached_property
     def explicit_order(self) -> int:
@@ -119,6 +119,8 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     @cached_property
     def _both(self) -> ColouredConditions:
         return self._conditions(self.method.b_explicit, self.method.b_implicit)
+
+    conditions = property(lambda self: self._both)
 
     @property
     def _embedded(self) -> ColouredConditions | None:

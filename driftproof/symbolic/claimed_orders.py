@@ -5,42 +5,48 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.schemes import Collocation, Method, Splitting, Staged
+from driftproof.methods.multistep import Multistep
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
+from driftproof.symbolic.algebra.certified import AWAY, scientific
+from driftproof.symbolic.algebra.polynomials import X, polynomial
 from driftproof.symbolic.facts import derived, order_within
-from driftproof.symbolic.linear.printed_digits import JUMP, RoundedOrder, rounding
+from driftproof.symbolic.linear.printed_digits import JUMP, RESIDUAL_DIGITS
+from driftproof.symbolic.linear.root_condition import root_condition
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER
 from driftproof.symbolic.trees.order_in_balls import rounded_order
-from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions
+from driftproof.symbolic.trees.partitioned_trees import general_conditions, nystrom_conditions
+
+# Chosen: each entry that is tried costs the evaluation of the order conditions.
+_MOST_ENTRIES = 70
 
 
 class UnreachedOrder(NamedTuple):
-    """The method that claims an order, or that of the embedded weights, and its order but for rounding.
+    """The method that claims an order, or that of the embedded weights, its order but for rounding, and what it may be.
 
-    `apart` is None unless a rounding coarser than the digits show would explain why the order is missed.
+    `remark` is empty, or says why a small residual is no rounding, or that `decimal` would say that it is one.
     """
 
     method: Entry
     embedded: bool
     order: int
-    apart: RoundedOrder | None
+    remark: str
 
     def __str__(self) -> str:
         """The claim and the order in one line."""
-        claimed = f"claimed {'embedded ' * self.embedded}order {self.method.claimed_order}"
-        if self.apart is None:
-            return f"{claimed}, has {self.order}"
-        beyond = f"conditions up to {self.apart.order} fail by {self.apart.residual}, more than its digits explain"
-        return f"{claimed}, has {self.order}: {beyond}; decimal = true says that its coefficients are rounded"
+        return f"claimed {'embedded ' * self.embedded}order {self.method.claimed_order}, has {self.order}{self.remark}"
 
 
 def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[UnreachedOrder]:
     """The claims of orders, by the method and by its embedded weights, that do not hold, nor to a given tolerance.
 
-    An order holds that is missed only by the rounding of the coefficients, of which those of a table that says that it
-    is rounded may have any; of a splitting also if it is that on q'' = F(q) alone, which authors of such methods claim.
+    An order holds that is missed only by the rounding of the coefficients, as far as their digits explain it, which is
+    proved by a jump of the residuals or said by the table; of a splitting also if it is that on q'' = F(q) alone, which
+    authors of such methods claim; of a multistep method only if it is zero-stable.
 
     >>> from dataclasses import replace
     >>> from driftproof import METHODS
@@ -61,26 +67,102 @@ def _claims(method: Entry) -> Iterator[tuple[Entry, bool]]:
 
 def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> UnreachedOrder | None:
     facts, claimed = derived(method), method.claimed_order
-    if tolerance is not None:
-        within = order_within(method, tolerance) if isinstance(method, Method) else facts.orders_within(tolerance)
-        if within.order >= claimed:
-            return None
-    orders: list[tuple[int, Callable[[], RoundedOrder | None]]] = [(facts.order, lambda: facts.order_but_for_rounding)]
+    within = (
+        (lambda by: order_within(method, by)) if isinstance(method, Method) else getattr(facts, "orders_within", None)
+    )
+    if tolerance is not None and within and within(tolerance).order >= claimed:
+        return None
+    second = facts.order_second_order_problems if isinstance(method, Splitting) else None
+    reached = max(facts.order, second or 0)
+    if reached < claimed:
+        reached = max(reached, *_but_for_rounding(method))
+    if reached >= claimed:
+        unstable = _unstable(method) if isinstance(method, Multistep) and claimed else ""
+        return UnreachedOrder(method, embedded, reached, unstable) if unstable else None
+    residual, remark = facts.order_fails.residual, ""
+    if not isinstance(method, Collocation) and not getattr(method, "field", None):
+        small = JUMP * abs(residual)
+        if max(_but_for_rounding(replace(method, decimal=True))) >= claimed:
+            remark = "; decimal = true says that its coefficients are rounded, which explains that"
+        elif within and small < Fraction(1, 100) and within(small).order == claimed:
+            size = scientific(abs(residual), RESIDUAL_DIGITS, AWAY)
+            remark = f": a condition fails by {size}, more than its digits explain"
+    return UnreachedOrder(method, embedded, reached, remark)
+
+
+def _unstable(method: Multistep) -> str:
+    """Why the method is not zero-stable, "" if it is; a rounding of rho that moves the root 1 is left out."""
+    times = method.derivative
+    found = root_condition(polynomial(method.rho) // (X - 1) ** times * (X - 1) ** times, times)
+    return "" if found.holds else f", but is not zero-stable: {found.reason}"
+
+
+def _but_for_rounding(method: Entry) -> Iterator[int]:
+    """The orders but for rounding, 0 without one; where it explains every condition that is tried, as high as any."""
+    found = [derived(method).order_but_for_rounding]
     if isinstance(method, Splitting):
-        of_second_order = lambda by: nystrom_conditions(method, by)
-        rounded = lambda: rounded_order(of_second_order, method.coefficients(), TOLERANCE_ORDER)
-        orders.append((facts.order_second_order_problems, rounded))
-    reached, apart = max(order for order, _ in orders), None
-    if reached < claimed and not isinstance(method, Collocation) and not getattr(method, "field", None):
-        hidden = JUMP * rounding(method.coefficients())
-        apart_from_rounding = [x for _, but_for_rounding in orders if (x := but_for_rounding())]
-        # Orders above the highest that is tried, and few digits, show no jump: what may be rounding is no fault.
-        untold = claimed > TOLERANCE_ORDER or (method.decimal and not apart_from_rounding)
-        if untold and abs(facts.order_fails.residual) <= hidden:
-            return None
-        for found in apart_from_rounding:
-            if method.decimal or Fraction(found.residual) <= hidden:
-                reached = max(reached, found.order)
-            elif found.order >= claimed:
-                apart = found
-    return None if reached >= claimed else UnreachedOrder(method, embedded, reached, apart)
+        found.append(rounded_order(lambda by: nystrom_conditions(method, by), method, TOLERANCE_ORDER))
+    for each in found:
+        yield 0 if each is None else each.order if each.next_residual is not None else method.claimed_order
+
+
+def restoring_entries(method: Entry, claimed: int) -> list[str]:
+    """The entries whose change alone restores the order claimed, each as a line of text.
+
+    The first order condition that is linear in the entry, as those of the tall trees are in one of an explicit table,
+    leaves one value, for which the order is derived. A c that has the sums of the rows of A follows them.
+    """
+    if isinstance(method, Collocation) or len([*method.coefficients()]) > _MOST_ENTRIES:
+        return []
+    method, found = replace(method, claimed_order=claimed), []
+    if _unreached(method, False, None) is None:
+        return []
+    for name, was, changed in _entries(method):
+        try:
+            value = _solved(changed, claimed)
+            if value not in (None, was) and _unreached(changed(value), False, None) is None:
+                what = f"{name} = {value} in place of {was}"
+                found.append(f"with this one entry changed, order {claimed} is restored: {what}")
+        except MethodError:  # the value is one that no such method has
+            continue
+    return found
+
+
+def _entries(method: Any) -> Iterator[tuple[str, Exact, Callable[[Exact], Any]]]:
+    """Each entry that may be wrong, by name, with its value, and the method with another in its place."""
+    sums = isinstance(method, RungeKutta) and method.c == tuple(map(sum, method.a))
+    tables = *getattr(method, "matrices", ()), *getattr(method, "rows", ("parts", "rho", "sigma"))
+    for name in tables:
+        for i, row in enumerate(getattr(method, name, None) or () if "embedded" not in name else ()):
+            if name in getattr(method, "matrices", ()):
+                for j, x in enumerate(row[: i + 1] if row[i] else row[:i]):
+                    yield f"{name}[{i}][{j}]", x, partial(_changed, method, sums, name, i, j)
+            elif not (sums and name == "c"):
+                yield f"{name}[{i}]", row[1] if name == "parts" else row, partial(_changed, method, sums, name, i, None)
+
+
+def _changed(method: Any, sums: bool, name: str, i: int, j: int | None, value: Exact) -> Any:
+    rows = list(getattr(method, name))
+    kind = (rows[i][0],) if name == "parts" else ()
+    rows[i] = (*kind, value) if kind else value if j is None else (*rows[i][:j], value, *rows[i][j + 1 :])
+    return replace(method, **{name: tuple(rows)}, **({"c": tuple(map(sum, rows))} if sums and j is not None else {}))
+
+
+def _solved(changed: Callable[[Exact], Any], claimed: int) -> Any:
+    """The value of the entry for which the first condition that is linear in it holds; None without one."""
+    below, start, end = (_residuals(changed(Fraction(x)), claimed) for x in (-1, 0, 1))
+    for before, at_zero, at_one in zip(below, start, end, strict=False):
+        if at_zero != at_one and before + at_one == 2 * at_zero:
+            return at_zero / (at_zero - at_one)
+    return None
+
+
+def _residuals(method: Entry, claimed: int) -> Iterator[Any]:
+    """The residuals of the order conditions up to the order that is claimed."""
+    facts = derived(method)
+    if isinstance(method, Multistep):
+        yield from map(facts.residual, range(claimed + method.derivative))
+        return
+    conditions = general_conditions(method) if isinstance(method, Method) else facts.conditions
+    for n in range(1, claimed + 1):
+        yield from (conditions.scalars.exact(x) for _, x in conditions.residuals(n))

@@ -17,7 +17,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
-from driftproof.symbolic.linear.printed_digits import JUMP, RoundedOrder, rounding
+from driftproof.symbolic.linear.printed_digits import RoundedOrder
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -103,24 +103,14 @@ class Facts(LinearFacts):
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method, claimed = self.method, self.method.claimed_order
-        if isinstance(method, Collocation) or method.field or (claimed and self.order == claimed):
+        if isinstance(method, Collocation) or (claimed and self.order == claimed):
             return None
-        return rounded_order(lambda by: general_conditions(method, by), method.coefficients(), TOLERANCE_ORDER)
+        return rounded_order(lambda by: general_conditions(method, by), method, TOLERANCE_ORDER)
 
     @property
     def _rounded(self) -> bool:
-        """True if the source says so, or if the residuals of the order conditions show it.
-
-        They jump, or the first is as small as rounding makes it, as in a table of a higher order than is tried.
-        """
-        method = self.method
-        if super()._rounded or self.order_but_for_rounding is not None:
-            return True
-        if not isinstance(method, RungeKutta) or method.field:
-            return False
-        residual = self.order_fails.residual
-        assert isinstance(residual, Fraction)
-        return 0 < abs(residual) <= JUMP * rounding(method.coefficients()) < Fraction(1, JUMP**2)
+        """True if the source says so, or if the residuals of the order conditions show it."""
+        return super()._rounded or self.order_but_for_rounding is not None
 
     @cached_property
     def order_second_order_problems(self) -> int | None:

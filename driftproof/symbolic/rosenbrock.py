@@ -162,9 +162,9 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method = self.method
-        if method.field or method.claimed_order == self.order:
+        if method.claimed_order == self.order:
             return None
-        return rounded_order(lambda by: self._conditions(method.b, by), method.coefficients(), MOST_VERTICES)
+        return rounded_order(lambda by: self._conditions(method.b, by), method, MOST_VERTICES)
 
     @cached_property
     def w_order(self) -> int:
@@ -203,6 +203,8 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
         orders = [None if x is None else order_to_tolerance(self._conditions(x), tolerance) for x in rows]
         w_order = order_to_tolerance(WConditions(self.method), tolerance)
         return OrdersWithin(tolerance, orders[0] or 0, w_order, orders[1])
+
+    conditions = property(lambda self: self._conditions(self.method.b))
 
     @cached_property
     def _linear(self) -> LinearFacts:

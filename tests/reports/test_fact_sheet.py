@@ -63,7 +63,7 @@ def test_where_no_order_is_asked_for_or_a_tolerance_is_met_no_claim_is_examined(
         assert sheet.unreached == ()
         assert "unreached" not in sheet.data
     found = facts(off, order_tolerance="1e-10").unreached
-    assert found[0].startswith("claimed order 5, has 0: conditions up to 5 fail by 1.01e-9, more than ")
+    assert found[0].startswith("claimed order 5, has 0: a condition fails by 1.01e-9, more than its digits explain")
 
 
 def test_facts_of_a_method_are_its_typed_facts():

@@ -8,7 +8,9 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.symbolic.claimed_orders import unreached_orders
+from driftproof.methods.multistep import Multistep
+from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders
 from tests.looping import some
 
 
@@ -59,6 +61,49 @@ def rounded(places, **change):
     return replace(method, b=row(method.b), **change)
 
 
+ADVICE = "decimal = true says that its coefficients are rounded, which explains that"
+# Methods with one wrong digit, and what they have: integers and halves, halves of one digit, exchanged digits.
+MISPRINTED = {
+    "order 3 of Heun": (replace(METHODS["heun2"], claimed_order=3), 2),
+    "weights of 1.1": (replace(METHODS["heun2"], b=(Q("0.5"), Q("0.6"))), 0),
+    "order 4 of Verlet": (replace(METHODS["velocity_verlet"], claimed_order=4), 2),
+    "drifts of 1.1": (
+        replace(METHODS["position_verlet"], parts=(("drift", Q("0.6")), ("kick", 1), ("drift", Q("0.5")))),
+        0,
+    ),
+    "ROS2": (
+        Rosenbrock(
+            "m",
+            "m",
+            2,
+            "",
+            ((0, 0), (1, 0)),
+            ((Q("1.70710678"), 0), (Q("-3.41241356"), Q("1.70710678"))),
+            (Q("0.5"), Q("0.5")),
+        ),
+        1,
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", MISPRINTED)
+@pytest.mark.parametrize("decimal", [False, True])
+def test_a_claim_beyond_the_digits_is_missed_also_by_a_table_that_says_it_is_rounded(wrong, decimal):
+    method, has = MISPRINTED[wrong]
+    assert [found.order for found in unreached_orders(replace(method, decimal=decimal))] == [has]
+
+
+def test_the_last_but_one_digit_of_sixteen_and_the_fourth_of_eight_are_told_from_rounding():
+    """Each condition is judged by the rounding of the entries that it has, also where they are many and unequal."""
+    right = METHODS["pefrl"]
+    for i, (kind, x) in enumerate(right.parts):
+        parts = (*right.parts[:i], (kind, x + Q(1, 10**11)), *right.parts[i + 1 :])
+        assert [found.order for found in unreached_orders(replace(right, parts=parts))] == [0]
+    gamma, twice = "1.70710678", "-3.41421356"
+    rows = ((0, 0), (1, 0)), ((Q(gamma), 0), (Q(twice), Q(gamma)))
+    assert said(Rosenbrock("m", "ROS2", 2, "", *rows, (Q(1, 2), Q(1, 2)), decimal=True)) == []
+
+
 @pytest.mark.parametrize("decimal", [False, True])
 def test_rounding_alone_breaks_no_claim(decimal):
     assert said(rounded(12, decimal=decimal)) == []
@@ -69,17 +114,17 @@ def test_a_table_of_four_digits_that_says_so_is_not_accused():
     """Its residuals of 3e-5 do not jump to those of 8e-3; the twins say nothing of rounding, or miss by more."""
     table = rounded(4, decimal=True)
     assert said(table) == []
-    assert said(replace(table, decimal=False)) == ["claimed order 4, has 2"]
+    assert said(replace(table, decimal=False)) == [f"claimed order 4, has 2; {ADVICE}"]
     assert said(replace(table, b=(table.b[0] + Q(1, 5), *table.b[1:]))) == ["claimed order 4, has 0"]
 
 
 def test_a_mistake_in_the_middle_of_the_digits_is_no_rounding():
-    """Residuals of 1e-6 would be a rounding of six digits; only a table that says that it is rounded may mean that."""
+    """Residuals of 1e-6 would be a rounding of six digits, and these are twelve, whatever the table says."""
     table = rounded(12)
     wrong = replace(table, b=(table.b[0] + Q(1, 10**6), *table.b[1:]))
-    why = "conditions up to 4 fail by 1.01e-6, more than its digits explain;"
-    assert said(wrong) == [f"claimed order 4, has 0: {why} decimal = true says that its coefficients are rounded"]
-    assert said(replace(wrong, decimal=True)) == said(wrong, Q(1, 10**5)) == []
+    lines = ["claimed order 4, has 0: a condition fails by 1.00e-6, more than its digits explain"]
+    assert said(wrong) == said(replace(wrong, decimal=True)) == lines
+    assert said(wrong, Q(1, 10**5)) == []
     assert said(wrong, Q(1, 10**7)) == said(wrong)
 
 
@@ -98,3 +143,45 @@ def test_tables_of_a_higher_order_than_is_tried_are_judged_by_their_first_residu
     )
     assert said(table) == []
     assert said(replace(table, b=(table.b[0] + OFF, *table.b[1:]))) == ["claimed order 18, has 0"]
+
+
+def test_a_multistep_method_that_is_not_zero_stable_has_no_order_to_claim():
+    """Rounding of rho, which moves the root 1 out of the unit circle, is not what makes it so."""
+    wrong = Multistep("m", "m", 3, "", (-5, 4, 1), (2, 4, 0))
+    assert said(wrong) == ["claimed order 3, has 3, but is not zero-stable: a root is outside the unit circle"]
+    assert said(replace(wrong, claimed_order=0)) == []
+    bdf3 = [round(x / Q(11, 6), 12) for x in (Q(-1, 3), Q(3, 2), -3, Q(11, 6))]
+    table = Multistep("m", "m", 3, "", tuple(bdf3), (0, 0, 0, round(Q(6, 11), 12)), decimal=True)
+    assert said(table) == said(replace(table, rho=(bdf3[0] - Q(1, 10**12), *bdf3[1:]))) == []
+
+
+AB3, ROS2, ARS = FACTS_ONLY["adams_bashforth3"], FACTS_ONLY["ros2"], FACTS_ONLY["ars443"]
+# For each family a method with one entry changed, and what restores it.
+ONE_WRONG = {
+    "multistep": (replace(AB3, sigma=(*AB3.sigma[:2], Q(25, 12), 0)), f"sigma[2] = {AB3.sigma[2]} in place of 25/12"),
+    "nystrom": (
+        replace(METHODS["nystrom4"], b_position=(Q(1, 6), Q(1, 6), 0)), "b_position[1] = 1/3 in place of 1/6",
+    ),
+    "splitting": (
+        replace(METHODS["velocity_verlet"], parts=(("kick", Q(1, 2)), ("drift", 1), ("kick", Q(1, 3)))),
+        "parts[2] = 1/2 in place of 1/3",
+    ),
+    "rosenbrock": (replace(ROS2, b=(Q(1, 2), Q(1, 3))), "b[1] = 1/2 in place of 1/3"),
+    "additive": (
+        replace(ARS, b_implicit=(0, Q(3, 2), Q(-3, 2), Q(1, 3), Q(1, 2))), "b_implicit[3] = 1/2 in place of 1/3",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("family", ONE_WRONG)
+def test_the_one_entry_that_restores_an_order_is_named_in_every_family(family):
+    """With a second entry wrong there is none."""
+    method, what = ONE_WRONG[family]
+    line = f"with this one entry changed, order {method.claimed_order} is restored: {what}"
+    assert line in restoring_entries(method, method.claimed_order)
+    name = {"multistep": "rho", "nystrom": "b_velocity", "splitting": "parts", "additive": "b_explicit"}.get(
+        family, "b"
+    )
+    row = list(getattr(method, name))
+    row[0] = ("kick", Q(1, 7)) if family == "splitting" else Q(1, 7)
+    assert line not in restoring_entries(replace(method, **{name: tuple(row)}), method.claimed_order)

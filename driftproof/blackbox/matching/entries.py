@@ -1,11 +1,9 @@
-"""Differences between a tableau read and the one claimed: entries, row sums, and entries that restore the order."""
+"""Differences between a tableau read and the one claimed: entries and row sums."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
-from math import factorial
 from typing import Any
 
 from driftproof.blackbox.matching.tables import exact_tableau, induced_by_tableau
@@ -19,15 +17,11 @@ from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import counted, table
-from driftproof.symbolic.trees.order_conditions import order
 
 # Chosen: the most entries that are shown in a table; further ones are only counted.
 _MOST_SHOWN = 12
-# Chosen: a larger tableau has too many entries to try, each of which costs the evaluation of all order conditions.
-_MOST_STAGES = 7
 
 
 def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) -> list[str]:
@@ -96,43 +90,3 @@ def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
     if any(len(row) < reading.calls for row in (*a, b)):
         return None
     return RungeKutta(key, key, 0, "", tuple(a), b, tuple(sum(row, Fraction(0)) for row in a))
-
-
-def restoring_entries(method: RungeKutta, claimed: int) -> list[str]:
-    """The entries of A or b whose change alone restores the order claimed on y' = f(y), each as a line of text.
-
-    Every order condition is linear in a weight, and those of the tall trees, b Aᵏ 1 = 1/(k + 1)!, are also linear in an
-    entry of an explicit A. The first of these that depends on the entry leaves one value, for which all are checked.
-    """
-    if method.stages > _MOST_STAGES or not method.explicit or method.field or order(method).order >= claimed:
-        return []
-    found = []
-    for i, row in enumerate((*method.a, method.b)):
-        for j, was in enumerate(row[:i]):
-            at_zero, at_one = (_tall(_with(method, i, j, Fraction(x))) for x in (0, 1))
-            pairs = enumerate(zip(at_zero[:claimed], at_one, strict=False), 1)
-            solved = ((Fraction(1, factorial(k)) - start) / (end - start) for k, (start, end) in pairs if start != end)
-            value = next(solved, was)
-            if value != was and order(_with(method, i, j, value)).order >= claimed:
-                name = f"a[{i}][{j}]" if i < method.stages else f"b[{j}]"
-                what = f"{name} = {value} in place of {was}"
-                found.append(f"with this one entry changed, order {claimed} is restored: {what}")
-    return found
-
-
-def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
-    """The method with entry j replaced in row i of A, or in b if i is the number of stages."""
-    rows = [list(row) for row in (*method.a, method.b)]
-    rows[i][j] = value
-    *a, b = map(tuple, rows)
-    return replace(method, a=tuple(a), b=b, b_embedded=None, embedded_order=None)
-
-
-def _tall(method: RungeKutta) -> list[Exact]:
-    """The elementary weights b 1, b A 1, b A² 1, ... of the tall trees."""
-    stages: list[Exact] = [Fraction(1)] * method.stages
-    found: list[Exact] = []
-    for _ in range(method.stages):
-        found.append(sum((x * y for x, y in zip(method.b, stages, strict=True)), Fraction(0)))
-        stages = [sum((x * y for x, y in zip(row, stages, strict=True)), Fraction(0)) for row in method.a]
-    return found

@@ -8,6 +8,8 @@ from fractions import Fraction
 from math import ceil, fsum
 from typing import NamedTuple
 
+import numpy as np
+
 from driftproof.blackbox.matching import candidates
 from driftproof.blackbox.matching.candidates import EMBEDDED, Candidate, ExactTable
 from driftproof.blackbox.matching.comparing import Comparison
@@ -27,7 +29,8 @@ from driftproof.symbolic.linear.reduced_tableau import reduced
 # 1/(2 - 2**(1/3)) does.
 FEW_ROUNDINGS = 4
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
-# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three.
+# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three. Three that are all the
+# numbers of A say nothing of the method.
 FEW_DIFFERENCES = 3
 
 
@@ -205,12 +208,13 @@ def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
 
 
 def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> dict[str, float] | None:
-    """The few coefficients in which the tables differ, as text, and how far; None if many, or tables differ in size."""
+    """The few coefficients in which the tables differ, as text, and how far; None if many, all of A, or of others."""
     if mine.calls != its.calls:
         return None
     comparison = Comparison(mine, its, read.rounding)
     places = comparison.differences()
-    if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)):
+    of_a, any_a = sum(p.name.startswith("a[") for p in places), np.any([mine.values, its.values], axis=0)[: mine.calls]
+    if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)) or 2 < of_a >= any_a.sum():
         return None
     fmt, slack = read.rounding.format, read.rounding.besides
     return {

@@ -37,6 +37,7 @@ def _from_transformed(names: str, gamma: Q, a: str, c: str, m: str, *, decimal: 
         b=_product(weights, inverse),
         b_embedded=_product((*weights[:-1], Q(0)), inverse),
         decimal=decimal,
+        places=14 if decimal else None,
     )
 
 

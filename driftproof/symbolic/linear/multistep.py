@@ -43,7 +43,7 @@ from driftproof.symbolic.algebra.real_roots import (
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
 from driftproof.symbolic.linear.facts import AStability, ExactFunction, FactsOfFamily, Sector, fact_names
-from driftproof.symbolic.linear.printed_digits import RoundedOrder, decimal_roundings, order_by_jump
+from driftproof.symbolic.linear.printed_digits import RoundedOrder, order_within_digits, roundings
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
@@ -118,7 +118,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     @cached_property
     def order_fails(self) -> Residual:
         """The first power of t that the method does not reproduce, with its residual for h = 1."""
-        return next(Residual(power, x) for power in count() if (x := self._residual(power)))
+        return next(Residual(power, x) for power in count() if (x := self.residual(power)))
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
@@ -126,10 +126,12 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         method = self.method
         if method.claimed_order == self.order:
             return None
-        off = decimal_roundings(method.coefficients())
+        off = roundings(method)
         rho, sigma = [off(x) for x in method.rho], [-off(x) for x in method.sigma]  # so that nothing cancels
-        sizes = (arb(as_fmpq(abs(self._residual(power)))) for power in range(2 * method.steps + 4))
-        found = order_by_jump(sizes, lambda n: arb(as_fmpq(_residual(rho, sigma, method.derivative, n - 1))))
+        powers = range(2 * method.steps + 4)
+        pairs = ((abs(self.residual(n)), _residual(rho, sigma, method.derivative, n)) for n in powers)
+        balls = ([(arb(as_fmpq(size)), arb(as_fmpq(radius)))] for size, radius in pairs)
+        found = order_within_digits(balls, method.decimal)
         return found and found._replace(order=found.order - method.derivative)
 
     @cached_property
@@ -215,7 +217,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         found = (self._locus_point(t) for t in [*halves, Fraction(1), *(1 / t for t in reversed(halves))])
         return [point for point in found if point is not None]
 
-    def _residual(self, power: int) -> Fraction:
+    def residual(self, power: int) -> Fraction:
+        """The residual on solutions tᵖ, over p!, p = `power`."""
         return _residual(self.method.rho, self.method.sigma, self.method.derivative, power)
 
     @property

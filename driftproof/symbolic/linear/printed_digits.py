@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly
 
@@ -27,8 +27,11 @@ SPARE_BITS = 64
 # Residuals that come from rounding all coefficients to the same digits are within a factor of 1000 of each other; with
 # coefficients of four digits or more, the first condition that fails by itself is larger by at least as much again.
 JUMP = 1000
-# What the digits may hide counts tenfold: the last ones that are printed are not always rounded correctly.
+# Where residuals jump, what the digits explain counts tenfold, as with one digit less: the last ones that are printed
+# are not always right (docs/differences.md; the embedded weights of dop853 miss by seven times their rounding).
 MARGIN = 10
+# Chosen: shorter decimals are exact, as nobody rounds a table to two digits.
+FEWEST_DIGITS = 3
 # Digits of a residual in text, where only its magnitude matters.
 RESIDUAL_DIGITS = 3
 
@@ -37,30 +40,37 @@ class RoundedOrder(NamedTuple):
     """The order apart from rounding, the largest residual up to that order, and the largest one order higher.
 
     Both have three digits. `residual` is rounded up, so that no condition up to the order misses by more.
+    `next_residual` is None if digits explain every condition that is tried.
     """
 
     order: int
     residual: str
-    next_residual: str
+    next_residual: str | None
 
 
-def order_by_jump(residuals: Iterable[arb], hidden: Callable[[int], arb]) -> RoundedOrder | None:
-    """The order p but for rounded coefficients: residuals up to p are far smaller than the largest of order p + 1.
+def order_within_digits(orders: Iterable[Sequence[tuple[arb, arb]]], decimal: bool) -> RoundedOrder | None:
+    """The order p but for rounded coefficients; None if no condition fails by rounding, or if nothing tells p.
 
-    Residuals due to rounding have similar sizes in every order; the first that is more than `JUMP` times as large as
-    all before it is the method's own, unless it is one that the rounding of the coefficients, which may have unequal
-    numbers of digits, explains: not more than `MARGIN` times `hidden` of its order. `residuals` are the largest ones of
-    the orders 1, 2, ...; None if none jumps, or if rounding makes no condition fail.
+    `orders` has, for the orders 1, 2, ..., the size of each residual, and how far the rounding of the entries can move
+    it: the radius of the condition in ball arithmetic, each entry being a ball of half a unit of its last digit. A
+    residual above `MARGIN` times that is the method's own, and ends the order. It proves the rounding of those before
+    it if it is more than `JUMP` times as large. Where a table only says that it is rounded, `decimal`, nothing but
+    residuals within the radius itself count, and the first beyond it ends the order.
     """
-    largest = arb(0)
-    for n, found in enumerate(residuals, 1):
-        if largest > 0 and JUMP * largest < found and MARGIN * hidden(n) < found:
-            most = scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY)
-            return RoundedOrder(n - 1, most, scientific(endpoints(found)[1], RESIDUAL_DIGITS))
-        largest = max(largest, found)
-        if JUMP * largest >= 1:  # weights are about 1
-            return None
-    return None
+    largest, within = arb(0), None
+    for n, found in enumerate(orders, 1):
+        size = max((x for x, _ in found), default=arb(0))
+        texts = (
+            scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY),
+            scientific(endpoints(size)[1], RESIDUAL_DIGITS),
+        )
+        here = RoundedOrder(n - 1, *texts) if largest > 0 else None
+        if within is None and any(x > radius for x, radius in found):
+            within = (here,)
+        if any(x > MARGIN * radius for x, radius in found):
+            return here if JUMP * largest < size else within[0] if within and decimal else None
+        largest = max(largest, size)
+    return RoundedOrder(n, scientific(endpoints(largest)[1], RESIDUAL_DIGITS, AWAY), None) if largest > 0 else None
 
 
 class StabilityWithinDigits(NamedTuple):
@@ -120,23 +130,11 @@ def imaginary_limit_within_digits(method: RungeKutta) -> str | None:
     return significant(square.square_root().ball, LIMIT_DIGITS)
 
 
-def rounding(coefficients: Iterable[Exact]) -> Fraction:
-    """The largest rounding, as in `stability_within_digits`, of a coefficient; they are rational."""
-    row = [*coefficients]
-    longest = max(map(_digits, row))
-    return max(_rounding(x, longest) for x in row)
-
-
-def decimal_roundings(coefficients: Iterable[Exact]) -> Callable[[Exact], Fraction]:
-    """How far a decimal may be from what it was rounded from: as far as any of these that are rounded.
-
-    These have at least half the digits of the longest. It is 0 for others, and for all beside long ratios.
-    """
-    row = [*coefficients]
-    longest = max(map(_digits, row))
-    rounded = [x for x in row if 2 * _digits(x) >= longest]
-    coarsest = Fraction(0) if None in map(_places, rounded) else max(_rounding(x, longest) for x in rounded)
-    return lambda x: coarsest if 2 * _digits(x) >= longest else Fraction(0)
+def roundings(method: Any) -> Callable[[Exact], Fraction]:
+    """How far each entry of a table may be from what it was rounded from, by its digits or the source's `places`."""
+    places = getattr(method, "places", None)
+    longest = _longest(method) if isinstance(method, RungeKutta) else max(map(_digits, method.coefficients()))
+    return lambda x: _rounding(x, longest) if places is None else Fraction(1, 2 * 10**places)
 
 
 def _longest(method: RungeKutta) -> int:
@@ -170,11 +168,14 @@ def _ball(x: Exact, longest: int) -> arb:
 
 
 def _rounding(x: Exact, longest: int) -> Fraction:
-    """How far x may be from what it was rounded from; 0 if it has less than half the digits of the longest."""
+    """How far x may be from what it was rounded from; 0 for integers and what has too few digits, such as 0.25 or 1/3.
+
+    These are fewer than `FEWEST_DIGITS`, or than half of the longest, unless as many places are printed as those.
+    """
     assert isinstance(x, Fraction)
-    if 2 * _digits(x) < longest:  # such as 0.25 or 1/3
+    places, few = _places(x), 2 * _digits(x) < max(longest, 2 * FEWEST_DIGITS - 1)
+    if x.denominator == 1 or (few and (places or 0) < max(longest, FEWEST_DIGITS + 1)):
         return Fraction(0)
-    places = _places(x)
     return Fraction(1, x.denominator**2 if places is None else 2 * 10**places)
 
 

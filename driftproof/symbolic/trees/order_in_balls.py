@@ -10,9 +10,8 @@ from typing import Any, Generic, NamedTuple, TypeAlias
 
 from flint import arb, ctx, fmpq
 
-from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.certified import endpoints
-from driftproof.symbolic.linear.printed_digits import RoundedOrder, decimal_roundings, order_by_jump
+from driftproof.symbolic.linear.printed_digits import RoundedOrder, order_within_digits, roundings
 from driftproof.symbolic.trees.elementary_weights import RingElement, Scalars, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import Conditions, RungeKuttaConditions, TreeType
 from driftproof.symbolic.trees.partitioned_trees import (
@@ -115,18 +114,18 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
         return min(_first_wrong(chain, limit) for chain in chains)
 
 
-def rounded_order(
-    conditions: Callable[[Scalars], Conditions[Any]], coefficients: Iterable[Exact], limit: int
-) -> RoundedOrder | None:
-    """`order_by_jump` up to `limit` vertices: of conditions in any scalars, and the coefficients they are made of."""
+def rounded_order(conditions: Callable[[Scalars], Conditions[Any]], method: Any, limit: int) -> RoundedOrder | None:
+    """`order_within_digits` up to `limit` vertices, of the conditions of a method in any scalars; None over a field."""
+    if method.field:
+        return None
     with ctx.workprec(BALL_BITS):
-        exactly, loosely = (conditions(Balls(by)) for by in (None, decimal_roundings(coefficients)))
+        exactly, loosely = (conditions(Balls(by)) for by in (None, roundings(method)))
 
-        def largest(n: int) -> arb:
-            return max((x.abs_upper() for _, x in exactly.residuals(n) if not x.contains(0)), default=arb(0))
+        def largest(n: int) -> list[tuple[arb, arb]]:
+            pairs = zip(exactly.residuals(n), loosely.residuals(n), strict=True)
+            return [(x.abs_upper(), y.rad()) for (_, x), (_, y) in pairs if not x.contains(0)]
 
-        sizes = map(largest, range(1, min(limit, exactly.bound) + 2))
-        return order_by_jump(sizes, lambda n: max(x.rad() for _, x in loosely.residuals(n)))
+        return order_within_digits(map(largest, range(1, min(limit, exactly.bound) + 2)), method.decimal)
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:

@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
+from driftproof.blackbox.matching.entries import other_velocities, rational_method, side_by_side
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -15,6 +15,7 @@ from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.claimed_orders import restoring_entries
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from tests.blackbox import handwritten_steppers as codes

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from driftproof.blackbox.identify import identify
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.match import Identity, Match, match_method
 from driftproof.blackbox.probes.tableau import StageSolution
@@ -129,3 +130,21 @@ def test_a_wrong_stage_of_an_error_estimate_is_said_beside_the_step():
     assert set(identity.keys) == ties_of("ralston3")
     beside = "bogacki_shampine32: in a call whose answer is not used, a[3][2]: -4/9 instead of 4/9"
     assert beside in identity.lines
+
+
+def weighted(*kicks):
+    """Kicks with drifts between them; Nyström's method of order 4 has the same weights and nodes."""
+
+    def step(force, q, v, h):
+        for i, kick in enumerate(kicks):
+            q = q + h / (len(kicks) - 1) * v if i else q
+            v = v + kick * h * force(q)
+        return q, v
+
+    return step
+
+
+def test_a_table_whose_inner_coefficients_all_differ_is_near_to_no_method():
+    """The twin, of the same kind, is a method of the catalogue, which is named."""
+    assert identify(weighted(1 / 6, 2 / 3, 1 / 6)).verdict == "it is not a known method"
+    assert "velocity_verlet" in identify(weighted(1 / 2, 1 / 2)).verdict
