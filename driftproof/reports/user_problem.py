@@ -41,7 +41,7 @@ ENCLOSED_DIGITS = 20
 # The reference's times divide the interval into this many equal parts. Doubles of the solution are kept at the ends of
 # as many parts as the runs of up to PARTS << 6 steps have, and of one part more, which no period divides as well.
 PARTS = 10
-BETWEEN = (PARTS << 6, (PARTS << 6) + 1)
+PARTS_BETWEEN = (PARTS << 6, (PARTS << 6) + 1)
 # A linear problem of more components gets no proof of its stability: the eigenvalues of twice as many take minutes.
 MOST_PROVED = 20
 # A ball so many digits narrower than the digits of the largest component is of a component that has died out: errors of
@@ -141,7 +141,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
     f, bits, refusal = field_function(field), BITS_AT_FIRST, None
     for _ in range(_MOST_ATTEMPTS):
         try:
-            between = {times[-1] * Fraction(k, parts) for parts in BETWEEN for k in range(1, parts)}
+            between = {times[-1] * Fraction(k, parts) for parts in PARTS_BETWEEN for k in range(1, parts)}
             found = enclose_solution(f, list(start), sorted({Fraction(0), *times, *between}), bits)
             true = dict(zip(found.times, found.states, strict=True))
             with ctx.workprec(bits):
