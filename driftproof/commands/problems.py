@@ -84,8 +84,8 @@ def work_precision_command(options: Namespace) -> str:
     compiled (extra `fast`) and in plain Python, and of one state of an ensemble; methods take turns, in random order.
 
     What counts in the tables is the error at the end; below each stands who needs the fewest evaluations by the largest
-    error at the reference's times. A method is dominated if for each of its points another method has one with no
-    larger error and no larger cost.
+    on the way: at the reference's times or, of equal steps on a problem of your own, at up to 640 steps. A run counts
+    if all finer ones are as good. A method is dominated if each of its points has a no worse and no dearer one.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from numbers import Real
@@ -12,22 +12,16 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.enclosure.certificate import (
-    BallRows,
-    Certificate,
-    Split,
-    decimal,
-    right_digits,
-)
+from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.problem_tables import GivenTable, given_problem
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import linearised, size
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
-from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
@@ -49,6 +43,8 @@ REPRODUCED = 2.0**-26
 UNDERFLOW = arb(2) ** -1022
 # The number of points at which this is checked, evenly spread.
 MOST_REPRODUCED = 64
+# A first row that is off a problem's start by more than this part of it is no rounding of it to some digits.
+ANOTHER_START = Fraction(1, 10**4)
 # If twice the bits lead further by less than this part of the whole time, f is the obstacle and not the precision.
 FURTHER = Fraction(1, 1000)
 
@@ -67,7 +63,8 @@ def certify(
     t and y may be replaced by a solver's result, also as the first argument: an object with .t and .y, a column for
     each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat,
     .npz or .npy file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or
-    the path of a .toml file, its numbers are exact. Raises Refused if nothing can be proved.
+    the path of a .toml file, its numbers are exact. A .toml file, or a dict of its contents, may have a function
+    instead; a run with another start or end than the file's is told so. Raises Refused if nothing can be proved.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
@@ -82,10 +79,29 @@ def certify(
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
-    given = field_of_file(f) if str(f).endswith(".toml") else given_field(f)
-    unknowns = getattr(given, "unknowns", ())
+    given = given_problem(f)
+    unknowns = getattr(given.f, "unknowns", ())
     run = read_trajectory(Path(t), unknowns) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
-    return certificate_of(given, run, method, h, invariants)
+    found = certificate_of(given.f, run, method, h, invariants)
+    return replace(found, said="\n".join(filter(None, [found.said, *_unlike(given, run)])))
+
+
+def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
+    """What tells that the run is not the whole solution of the problem that is given with a start and an end."""
+    (first, *_, last), row, said, start = run.times, run.states[0], list[str](), given.start or ()
+    allowed = ANOTHER_START * max(map(abs, start), default=0)
+    alike: Callable[[Any, Any], bool] = lambda a, b: all(
+        abs(Fraction(x) - y) <= allowed for x, y in zip(a, b, strict=False)
+    )
+    if start and first != 0:
+        said.append(f"the run starts at t = {first:g}, the problem at 0")
+    elif not alike(row, start):
+        exchanged = ": are columns exchanged?" if alike(sorted(row), sorted(start)) else ""
+        shown = (", ".join(f"{float(x) + 0:g}" for x in state) for state in (row, start))
+        said.append(f"the run starts from {', the problem from '.join(shown)}{exchanged}")
+    if given.end is not None and last < given.end * (1 - ANOTHER_START):
+        said.append(f"the run ends at t = {last:g}, the problem at {float(given.end):g}")
+    return said
 
 
 @working("certify")

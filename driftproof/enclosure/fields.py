@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.support.plain_text import counted
 
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
@@ -51,6 +52,7 @@ def enclosed_values(
         if ufunc := re.match(r"ufunc '(\w+)' not supported", str(error)):
             raise Refused(f"{name} uses {ufunc[1]}, which has no enclosure") from None
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        said += f"; y has {counted(len(y), 'component')}" if "unpack" in said or "index" in said else ""
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")

@@ -51,9 +51,8 @@ def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
     """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from why they are so short."""
     near = f"near t = {float(t):.9g}"
     if reason.startswith(_ZERO_BY_ZERO):
-        remedy = (
-            "where that is no pole, as of x/(1 - exp(-x)) at x = 0, 1/exprel(-x) of scipy.special is known to certify"
-        )
+        remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, a function for certify may use 1/exprel(-x) "
+        remedy += "of scipy.special, which problems to compare methods on may not"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if reason.startswith(_COMPARES):
         said = "f has a kink or a jump there, as abs, clip, max or an if has"

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.enclosure.fields import enclosable, time_first
-from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.fields import RightHandSide, time_first
+from driftproof.enclosure.text_fields import field_function, given_field
 from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.field_text import (
+    LONGEST_PROBLEM,
     PROBLEM_KEYS,
     energy_of_table,
     field_of_table,
@@ -24,7 +28,7 @@ from driftproof.methods.field_text import (
 )
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
-from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, require_keys
+from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys
 
 
 class ProblemTable(NamedTuple):
@@ -42,21 +46,61 @@ def problem_table(table: TomlTable) -> ProblemTable:
     `function`, "module:f" or a Python function, is run once on symbols; it gets the parameters as keywords, as doubles.
     """
     require_keys(table, PROBLEM_KEYS, "a problem")
-    start = tuple(rational_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+    start = _start(table)
     return ProblemTable(_field(table, len(start)), start, _energy(table), unknowns_of_table(table))
+
+
+class GivenTable(NamedTuple):
+    """A right-hand side, and the start and the end that a table gives beside it, None where it gives none."""
+
+    f: RightHandSide | VectorField
+    start: tuple[Fraction, ...] | None = None
+    end: Fraction | None = None
+
+
+def given_problem(given: Any) -> GivenTable:
+    """The right-hand side in a .toml file or in a dict like it; any other is taken as `given_field` does."""
+    if isinstance(given, Mapping):
+        return _of_table(as_toml(given))
+    is_file = isinstance(given, str | Path) and str(given).endswith(".toml")
+    return read_toml(given, LONGEST_PROBLEM, _of_table) if is_file else GivenTable(given_field(given))
+
+
+def _of_table(table: TomlTable) -> GivenTable:
+    require_keys(table, PROBLEM_KEYS, "a right-hand side")
+    f = _function(table) if "function" in table else field_of_table(table)
+    end = rational_entry(table["end"], "end") if "end" in table else None
+    return GivenTable(f, _start(table) if "start" in table else None, end)
+
+
+def _start(table: TomlTable) -> tuple[Fraction, ...]:
+    return tuple(rational_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+
+
+def as_toml(value: Any) -> Any:
+    """The contents of a dict as TOML would give them: lists, and decimals as text."""
+    if isinstance(value, Mapping):
+        return {key: as_toml(each) for key, each in value.items()}
+    if isinstance(value, tuple | list | np.ndarray):
+        return [as_toml(each) for each in value]
+    return str(value) if isinstance(value, float | Fraction) else value
+
+
+def _function(table: TomlTable) -> RightHandSide:
+    """The function of (t, y) in a table, with its parameters as keywords."""
+    if "rates" in table:
+        raise ValueError("give either rates or function, not both")
+    own = table["function"]
+    if not callable(own):
+        own = imported_object(as_text(own, "function"), "function")
+    if not callable(own):
+        raise ValueError(f"function is {type(own).__name__}, which cannot be called")
+    return partial(time_first(own), **_doubles(table))
 
 
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
-        if "rates" in table:
-            raise ValueError("give either rates or function, not both")
-        own = table["function"]
-        if not callable(own):
-            own = imported_object(as_text(own, "function"), "function")
-        if not callable(own):
-            raise ValueError(f"function is {type(own).__name__}, which cannot be called")
-        function, parameters = enclosable(time_first(own)), _doubles(table)
-        return field_of_function(lambda t, y: function(t, y, **parameters), components)
+        return field_of_function(_function(table), components)
     field = field_of_table(table)
     if len(field.rates) != components:
         raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")

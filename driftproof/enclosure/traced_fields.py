@@ -100,5 +100,6 @@ class Traced:
     def __getattr__(self, name: str) -> Callable[[], Traced]:
         """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""
         if name not in FUNCTIONS:
-            raise Refused(f"f uses {name}; a problem given as text may use {', '.join(FUNCTIONS)}")
+            name = "exprel" if name == "norm" else name  # it asks first whether its argument is a model with a norm
+            raise Refused(f"f uses {name}; a problem may use {', '.join(FUNCTIONS)}, and certify takes other functions")
         return lambda: Traced(f"{name}({self.text})", self.doubles)

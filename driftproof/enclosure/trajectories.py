@@ -71,11 +71,8 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
     for i, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
             how = "; of a run backwards give lambda s, y: -f(-s, y) and -t" if (np.diff(times) < 0).all() else ""
-            how = (
-                "; after an event or a restart begins a new run: certify each piece by itself"
-                if before == after
-                else how
-            )
+            again = "; after an event or a restart begins a new run: certify each piece by itself"
+            how = again if before == after else how
             raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}{how}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
@@ -147,9 +144,8 @@ def _columns(path: Path, unknowns: Sequence[str]) -> tuple[ReadColumns, list[lis
         rows.append(row)
     if not rows:
         raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
-    remarks = [column_names(line.lstrip("# ")) for i, line in read if i < lines[0][0]][
-        -1:
-    ]  # as numpy.savetxt writes names
+    # As numpy.savetxt writes names.
+    remarks = [column_names(line.lstrip("# ")) for i, line in read if i < lines[0][0]][-1:]
     if not headed and remarks and len(remarks[0]) == len(rows[0]) and {"t", "time"} & {*remarks[0]}:
         headed, names = True, remarks[0]
     if not headed:

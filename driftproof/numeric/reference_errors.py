@@ -11,7 +11,7 @@ import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from math import atan2, degrees, isfinite
+from math import atan2, degrees, dist, hypot, isfinite
 from operator import add, mul, sub, truediv
 from typing import Any, NamedTuple, TypeAlias
 
@@ -29,14 +29,14 @@ _OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
 
 
 class Size(NamedTuple):
-    """An error at the end, and the largest one at those of the reference's times that the run has landed on."""
+    """An error at the end, and the largest one at those of the times with a known solution that the run landed on."""
 
     final: float
     largest: float
 
 
 def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Size]:
-    """The sizes of the errors of a run, from its states at some of the reference's times, the last one among them.
+    """The sizes of the errors of a run, from its states at some of the reference's times, its last one among them.
 
     `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, if the problem has an energy. `phase`: degrees, for the
     oscillator only; undefined at the origin, where it counts as half a turn. Raises ArithmeticError for a state that is
@@ -45,12 +45,14 @@ def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Si
     if not all(isfinite(x) for state in states.values() for x in state):
         raise ArithmeticError("the state is no longer finite")
     digits = dict(zip(problem.reference.times, problem.reference.states, strict=True))
-    found = {STATE: [distance_from_digits(states[t], digits[t]) for t in sorted(states)]}
+    near, at = dict(problem.reference.between), [t for t in sorted(states) if t in digits]
+    off = [dist(states[t], near[t]) for t in states if t in near]
+    found = {STATE: [*off, *(distance_from_digits(states[t], digits[t]) for t in at)]}
     if problem.energy is not None:
         before = decimal_energy(problem, problem.start)
-        found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in sorted(states)]
+        found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in at]
     if is_oscillator(problem):
-        found[PHASE] = [_phase(states[t], digits[t]) for t in sorted(states)]
+        found[PHASE] = [_phase(states[t], digits[t]) for t in at]
     return {name: Size(sizes[-1], max(sizes)) for name, sizes in found.items()}
 
 
@@ -89,7 +91,8 @@ def floors(problem: Problem) -> dict[str, float]:
 
 def largest_state_size(problem: Problem) -> float:
     """Q, the largest norm of the start and of the reference's states: larger errors say nothing about the solution."""
-    return max(_length(problem.start), *(_length(map(Fraction, state)) for state in problem.reference.states))
+    sizes = (_length(map(Fraction, state)) for state in problem.reference.states)
+    return max(_length(problem.start), *sizes, *(hypot(*state) for _, state in problem.reference.between))
 
 
 def doubt(problem: Problem, steps: int, speed: float) -> float:

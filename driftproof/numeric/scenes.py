@@ -14,6 +14,7 @@ from pathlib import Path
 
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.tableau_file import method_of
+from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
@@ -135,13 +136,7 @@ PRESETS: dict[str, Scene] = {
 }
 
 
-def _problem_of_ours(key: str) -> Problem:
-    from driftproof.numeric.problems.catalogue import problem_named
-
-    return problem_named(key)
-
-
-def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
+def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] = problem_named) -> Scene:
     """The preset of this name, or the scene in a file whose name ends in .toml. Raises SceneError.
 
     `problem_of` returns the Problem that a file names; by default, it looks up a key of the catalogue.
@@ -156,7 +151,7 @@ def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] 
     raise SceneError(unknown("scene", name, PRESETS, "`driftproof scene` lists them; a file ends in .toml"))
 
 
-def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
+def read_scene(path: Path, problem_of: Callable[[str], Problem] = problem_named) -> Scene:
     """Read a scene from a TOML file, its decimals exactly. Raises SceneError with one line that says where.
 
     `problem_of` is that of `scene_named`.

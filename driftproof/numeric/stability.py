@@ -65,7 +65,7 @@ def observe(
 
     Looks are at most `apart` steps apart; `look` gets the number of steps so far and the state.
     """
-    y, done, stride, largest = start, 0, 1, euclidean_norm(start)
+    y, done, stride, largest = start, 0, 1, hypot(*start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
         try:
@@ -80,15 +80,10 @@ def observe(
                 return Observed(h, steps, reached, inf, last, "not finite")
             stride = (last - done) // 2
             continue
-        y, done, largest = reached, last, max(largest, euclidean_norm(reached))
+        y, done, largest = reached, last, max(largest, hypot(*reached))
         look(done, y)
         stride = min(2 * stride, apart)
     return Observed(h, steps, y, largest)
-
-
-def euclidean_norm(y: State) -> float:
-    """The Euclidean norm of y; inf or NaN where a component is, and inf where only the norm overflows."""
-    return hypot(*y)
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.scenes import PRESETS, Scene
@@ -42,7 +44,7 @@ class Page(Printable):
 
 
 def report(
-    *scenes: GivenProblem | Scene,
+    *scenes: GivenProblem | Scene | Sequence[GivenProblem | Scene],
     output: str | Path | None = None,
     digits: int = DIGITS_UNASKED,
     methods: GivenMethods = (),
@@ -59,7 +61,8 @@ def report(
     path = None if output is None else Path(output)
     if path is not None:
         require_file(path)
-    parts = [_part(each, methods) for each in scenes or PRESETS]
+    named: list[Any] = [each for given in scenes for each in (given if isinstance(given, list | tuple) else [given])]
+    parts = [_part(each, methods) for each in named or PRESETS]
     if methods and all(isinstance(part, Scene) for part in parts):
         raise ValueError("methods are for problems, and none is named; `driftproof scene NAME --methods` takes them")
     if digits != DIGITS_UNASKED and not any(isinstance(part, Scene) and part.certified for part in parts):

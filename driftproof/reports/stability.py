@@ -19,11 +19,10 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import distance_from_digits
+from driftproof.numeric.reference_errors import distance_from_digits, largest_state_size
 from driftproof.numeric.stability import (
     Observed,
     bounded_again,
-    euclidean_norm,
     fewest_steps,
     largest_bounded,
     observe,
@@ -91,7 +90,7 @@ def stability(
         "problem": about.key,
         "title": about.title,
         "linear": about.matrix is not None,
-        "size": repr(solution_size(about)),
+        "size": repr(largest_state_size(about)),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
@@ -167,7 +166,7 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
 
 
 def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
-    start, extent = float_start(problem), solution_size(problem)
+    start, extent = float_start(problem), largest_state_size(problem)
 
     def follows(steps: int) -> bool:
         seen = observe(runs, start, step_times(problem.t, steps).h, steps, _LOST * extent)
@@ -188,7 +187,7 @@ def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, step
         "remark": seen.remark,
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
-        "lost": error > solution_size(problem),
+        "lost": error > largest_state_size(problem),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }
 
@@ -225,12 +224,6 @@ def _with_a_digit_more(rounded: Callable[[int], _Rounded], digits: int) -> _Roun
 def error_of(problem: Problem, seen: Observed) -> float:
     """The Euclidean distance of the last state from the reference at t."""
     return distance_from_digits(seen.state, problem.reference.states[-1])
-
-
-def solution_size(problem: Problem) -> float:
-    """The largest norm of the start, in floats, and of the reference's states: a run with a larger error is lost."""
-    sizes = (distance_from_digits((0.0,) * len(state), state) for state in problem.reference.states)
-    return max(euclidean_norm(float_start(problem)), *sizes)
 
 
 def stability_text(answer: Json) -> str:
@@ -286,7 +279,8 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
         for run in entry["runs"]:
             proved = [verdicts.get(run["bounded"], "not decided"), _factor_text(run)] if answer["linear"] else []
             rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
-    reached = f"whose largest norm at the reference's times is {with_digits(float(answer['size']), 3)}"
+    size = float(answer["size"])
+    reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
     if answer["linear"]:
         notes += "\nbounded?: proved, for exactly this h; factor: growth per step for the eigenvalue of largest modulus"

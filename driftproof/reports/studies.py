@@ -5,8 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
 
+from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
 from driftproof.reports.progress import progress_bar
@@ -30,9 +32,9 @@ def work_precision(
     methods: GivenMethods = (),
     *,
     parameters: GivenParameters = (),
-    error: float | None = None,
+    error: ExactNumber | None = None,
     peers: Sequence[str] = (),
-    time_limit: float = 0.1,
+    time_limit: ExactNumber = 0.1,
     output: str | Path | None = None,
 ) -> Answered:
     """The errors that methods reach on a problem, with how many evaluations of f, in what time; `found` has the points.
@@ -48,7 +50,8 @@ def work_precision(
     8
     """
     about, asked = problem_given(problem, parameters), methods_of(methods or WORK_PRECISION_METHODS)
-    study = Study(about, asked, peers_named(peers), time_limit, error)
+    wanted = None if error is None else float(Fraction(error))
+    study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), wanted)
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:
         if folder:

@@ -11,13 +11,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
 from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.problem_tables import problem_table, rational_entry
+from driftproof.enclosure.problem_tables import as_toml, problem_table, rational_entry
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
@@ -39,8 +38,10 @@ from driftproof.symbolic.linear.systems import SystemFacts
 
 # As many as the references of our own problems have.
 ENCLOSED_DIGITS = 20
-# The reference's times divide the interval into this many equal parts.
+# The reference's times divide the interval into this many equal parts. Doubles of the solution are kept at the ends of
+# as many parts as the runs of up to PARTS << 6 steps have, and of one part more, which no period divides as well.
 PARTS = 10
+PARTS_BETWEEN = (PARTS << 6, (PARTS << 6) + 1)
 # A linear problem of more components gets no proof of its stability: the eigenvalues of twice as many take minutes.
 MOST_PROVED = 20
 # A ball so many digits narrower than the digits of the largest component is of a component that has died out: errors of
@@ -71,7 +72,7 @@ def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Prob
     others = dict(parameters)
     if isinstance(given, Mapping):
         name = getattr(given.get("function"), "__name__", "own")
-        return _problem(with_parameters(_as_toml(given), others, name), name)
+        return _problem(with_parameters(as_toml(given), others, name), name)
     if others and not str(given).endswith(".toml"):
         raise ValueError(f"parameters are of a problem in a .toml file or a dict; {brief(given)} has none to change")
     if isinstance(given, Problem):
@@ -134,25 +135,20 @@ def _require_conserved(problem: Problem, energy: str) -> None:
                 raise ValueError(f"energy is not conserved by f: {said}; correct it, or leave it out")
 
 
-def _as_toml(value: Any) -> Any:
-    """The contents of a dict as TOML would give them: lists, and decimals as text."""
-    if isinstance(value, Mapping):
-        return {key: _as_toml(each) for key, each in value.items()}
-    if isinstance(value, tuple | list | np.ndarray):
-        return [_as_toml(each) for each in value]
-    return str(value) if isinstance(value, float | Fraction) else value
-
-
 @working("a problem of your own")
 def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Sequence[Fraction]) -> Reference:
     """The solution from `start` at 0, to ENCLOSED_DIGITS digits at each time. Raises Refused."""
     f, bits, refusal = field_function(field), BITS_AT_FIRST, None
     for _ in range(_MOST_ATTEMPTS):
         try:
-            found = enclose_solution(f, list(start), [Fraction(0), *times], bits)
+            between = {times[-1] * Fraction(k, parts) for parts in PARTS_BETWEEN for k in range(1, parts)}
+            found = enclose_solution(f, list(start), sorted({Fraction(0), *times, *between}), bits)
+            true = dict(zip(found.times, found.states, strict=True))
             with ctx.workprec(bits):
-                digits = tuple(tuple(_digits(x, size(row)) for x in row) for row in found.states[1:])
-            return Reference(tuple(times), digits, CERTIFIED, f"enclosed in {found.steps} steps, {bits} bits")
+                digits = tuple(tuple(_digits(x, size(true[t])) for x in true[t]) for t in times)
+            said = f"enclosed in {found.steps} steps, {bits} bits"
+            more = tuple((t, tuple(map(float, true[t]))) for t in sorted(between - {*times}))
+            return Reference(tuple(times), digits, CERTIFIED, said, more)
         except Refused as reason:
             if reason.t is None:  # more bits lead no further
                 raise

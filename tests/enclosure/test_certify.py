@@ -286,3 +286,26 @@ def test_a_rate_that_underflows_is_no_other_function():
     assert certify(lambda t, y: y * y, *run).largest_error < 1e-230  # y^2 is 0 in floats
     with pytest.raises(Refused, match=r"f in floats is 0\.0 at t = 0\.0, component 0, but its enclosure is 1\.0+e-300"):
         certify(lambda t, y: y * 1e-100 * (not isinstance(y[0], float)), *run)
+
+
+def oscillator_with(t, y, w):
+    """A function whose parameter has no default."""
+    return [y[1], -w * y[0]]
+
+
+def test_a_problem_with_a_function_is_certified_and_a_run_of_another_start_or_end_is_told_so():
+    times = np.linspace(0, 1, 11)
+    rows = np.array([np.cos(2 * times), -2 * np.sin(2 * times)]).T
+    given = {"function": oscillator_with, "parameters": {"w": 4}, "start": [1, 0], "end": 1}
+    by_rates = {"rates": ["y1", "-4 * y0"], "start": [1.00001, 0], "end": 1.0}
+    for problem in (given, by_rates):
+        assert certify(problem, times, rows).largest_error < 1e-14
+        assert certify(problem, times, rows).said == ""
+    said = lambda problem, t=times: certify({**given, **problem}, t, rows).said
+    assert said({"start": [1.001, 0]}) == "the run starts from 1, 0, the problem from 1.001, 0"
+    assert said({"start": [0, 1]}) == "the run starts from 1, 0, the problem from 0, 1: are columns exchanged?"
+    assert said({"end": 2}) == "the run ends at t = 1, the problem at 2"
+    assert said({}, times + 0.5) == "the run starts at t = 0.5, the problem at 0"
+    assert certify({**given, "parameters": {"w": 4.5}}, times, rows).digits == 0
+    with pytest.raises(ValueError, match="missing 1 required positional argument: 'w'"):
+        certify({"function": oscillator_with}, times, rows)

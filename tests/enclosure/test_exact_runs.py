@@ -275,3 +275,18 @@ WRONG = {
 @pytest.mark.parametrize("name", ["right", *WRONG])
 def test_wrong_exact_run_is_caught(name):
     assert same_as_rk4(mutant("exact_runs", *([WRONG[name]] if name in WRONG else []))) == (name == "right")
+
+
+def test_a_run_of_radau_at_a_loose_tolerance_has_its_cause_named_and_another_method_has_not():
+    """SciPy stops Newton's method at min(0.03, sqrt(rtol)) of the tolerance: y is off its exact step by as much."""
+    integrate = pytest.importorskip("scipy.integrate")
+    prey = lambda t, y: [1.1 * y[0] - 0.4 * y[0] * y[1], 0.1 * y[0] * y[1] - 0.4 * y[1]]
+    runs = {name: integrate.solve_ivp(prey, (0, 5), [10, 10], method=name) for name in ("Radau", "RK45")}
+    with pytest.raises(
+        Refused, match="or SciPy's Radau stopped Newton's method early, as with rtol = 3e-05: take 1e-6"
+    ):
+        certify(prey, runs["Radau"], method="Radau")
+    with pytest.raises(Refused, match=r"is not one step of radau_iia3.*t_eval$"):
+        certify(prey, runs["RK45"], method="Radau")
+    fine = integrate.solve_ivp(prey, (0, 5), [10, 10], method="Radau", rtol=1e-6, atol=1e-6)
+    assert certify(prey, fine, method="Radau").split is not None

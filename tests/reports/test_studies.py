@@ -44,3 +44,11 @@ def test_progress_counts_points_none_of_them_before_it_is_known_how_many(monkeyp
 )
 def test_help_names_the_methods_that_are_taken(command, methods):
     assert ",".join(methods) in "".join(command.parser("x").format_help().split())
+
+
+def test_numbers_may_be_text_and_scenes_a_list():
+    found = driftproof.work_precision("dahlquist_1", ["forward_euler"], error="1e-2", time_limit="1e-4")
+    assert str(found).startswith("For an error of at most 1e-2 at the end")
+    with pytest.raises(ValueError, match="abc"):
+        driftproof.work_precision("dahlquist_1", ["forward_euler"], error="abc")
+    assert driftproof.report(["default"]).html == driftproof.report("default").html

@@ -29,13 +29,15 @@ class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
     `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
-    the form, or says how the solution was enclosed.
+    the form, or says how the solution was enclosed. `between` has doubles of y at many other times, for its size and
+    for the largest error of a run: a force may have whole periods between a few equal times.
     """
 
     times: tuple[Fraction, ...]
     states: tuple[Digits, ...]
     evidence: str
     source: str
+    between: tuple[tuple[Fraction, tuple[float, ...]], ...] = ()
 
     def __post_init__(self) -> None:
         """Raise ValueError unless times rise, states have one length and the evidence is known."""

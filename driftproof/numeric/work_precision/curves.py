@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
 
@@ -115,6 +115,16 @@ def counts(point: Point) -> bool:
     Rounding, and the reference's last digit, then explain no more than 1/ABOVE of it.
     """
     return point.scale > point.error > ABOVE * point.doubt
+
+
+def lasting(points: Sequence[Point], goal: float, which: str = "final") -> list[Point]:
+    """The points, finest first, whose error is at most `goal`, up to a run of more that is no matter of rounding.
+
+    The error of a run that is coarser than that is small by chance, as where a step is a period of the force.
+    """
+    sizes = [(point, getattr(point.errors[STATE], which)) for point in reversed(points) if point.errors]
+    good = takewhile(lambda each: each[0].error < each[0].scale and each[1] <= max(goal, each[0].doubt), sizes)
+    return [point for point, size in good if size <= goal]
 
 
 def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:

@@ -29,7 +29,7 @@ TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 @dataclass(frozen=True)
 class CountedRun:
-    """A run of N steps: its states at those of the reference's times that it lands on, and its evaluations of f."""
+    """A run of N steps: its states at those times of `steps_at_known_times`, and its evaluations of f."""
 
     states: Mapping[Fraction, State]
     evaluations: int
@@ -72,7 +72,7 @@ def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> I
     def run(steps: int) -> CountedRun:
         best = advance(method, problem, compiled=fast and method.explicit)
         states, y, (h, _) = dict[Fraction, State](), start, step_times(problem.t, steps)
-        stops = [(Fraction(0), 0), *steps_at_reference_times(problem, steps)]
+        stops = [(Fraction(0), 0), *steps_at_known_times(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = best(y, h, first, last)
         return CountedRun(states, evaluations_of(best, method, problem, steps))
@@ -92,9 +92,10 @@ def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> I
     return Integrator(run, calls, absent)
 
 
-def steps_at_reference_times(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
-    """(time, number of steps) for each of the reference's times that is a whole number of steps."""
-    parts = [(t, t / problem.t * steps) for t in problem.reference.times]
+def steps_at_known_times(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
+    """(time, number of steps) for each time at which the reference knows the solution, if it is a number of steps."""
+    known = sorted({*problem.reference.times, *(t for t, _ in problem.reference.between)})
+    parts = [(t, t / problem.t * steps) for t in known]
     return [(t, int(part)) for t, part in parts if part.denominator == 1]
 
 

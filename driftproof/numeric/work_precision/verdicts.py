@@ -1,4 +1,4 @@
-"""Verdicts on error against cost: the cheapest measured point for a goal, and methods that others dominate."""
+"""Verdicts on error against cost: the goals that are looked at, and methods that others dominate."""
 
 from __future__ import annotations
 
@@ -15,12 +15,6 @@ class Priced(NamedTuple):
 
     error: float
     cost: float
-
-
-def cheapest(points: Sequence[Priced], goal: float) -> Priced | None:
-    """The cheapest measured point whose error is at most `goal`, or None. Nothing is interpolated."""
-    measured = (point for point in points if point.error <= goal and isfinite(point.cost))
-    return min(measured, key=lambda point: point.cost, default=None)
 
 
 def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]]:

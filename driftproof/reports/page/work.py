@@ -11,7 +11,7 @@ from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.work_precision.curves import Curve, Point, curves
+from driftproof.numeric.work_precision.curves import Curve, Point, curves, lasting
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
@@ -115,7 +115,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
         measured = f"not settled ({x.least:.3f} to {x.largest:.3f})" if x and x.largest - x.least >= 1 else measured
         most = max((point.steps or 0 for point in curve.points), default=0)
-        enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
+        enough = [[p.evaluations for p in lasting(curve.points, 10.0**g) if p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
         rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work measured", "orders")

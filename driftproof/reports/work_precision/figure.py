@@ -26,15 +26,15 @@ _FARTHEST = 1000
 # Characters that fit above a panel.
 _CHARACTERS = 66
 _NO_RUN = "no run can be shown here"
-_THIN = ("line thin mark", "thin: largest at the reference's times")
+_THIN = ("line thin mark", "thin: largest on the way")
 _FLOOR = ("line floor", "rounding of the exact result")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
     """Write the figure of a quantity as an SVG file; return its path. Points without error or cost are left out.
 
-    Lines with dots show errors at the end, thin ones the largest at the reference's times. The floor, below which no
-    method is but by luck, is what rounding the exact result may cost, `reference_errors.floors`.
+    Lines with dots show errors at the end, thin ones the largest on the way. The floor, below which no method is
+    but by luck, is what rounding the exact result may cost, `reference_errors.floors`.
     """
     limits, rounding = _limits(study, measured, quantity), floors(study.problem)[quantity]
     plots = [_panel(measured, quantity, cost, limits, rounding) for cost in (EVALUATIONS, *measured.kinds)]

@@ -10,12 +10,12 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
-from driftproof.numeric.reference_errors import QUANTITIES, STATE, Size, floors, half_unit
+from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point
+from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
-from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
+from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
@@ -65,13 +65,8 @@ def _least_work_json(goal: float, measured: Measured) -> Json:
 
 
 def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Point] | None:
-    """The point with the fewest evaluations whose error, `which` is "final" or "largest", is at most `goal`."""
-    met = [
-        (curve, point)
-        for curve in measured.curves.values()
-        for point in curve.points
-        if point.evaluations and point.error < point.scale and getattr(point.errors[STATE], which) <= goal
-    ]
+    """The `lasting` point with the fewest evaluations; `which` error is meant, "final" or "largest"."""
+    met = [(c, p) for c in measured.curves.values() for p in lasting(c.points, goal, which) if p.evaluations]
     return min(met, key=lambda each: each[1].evaluations or 0, default=None)
 
 
@@ -171,8 +166,8 @@ def study_text(study: Study, measured: Measured) -> str:
     for goal in goals:
         title = f"Least work for an error at the end of at most {goal_text(goal)} (* the least)"
         largest = _work_text(study, least_work(measured, goal, "largest"))
-        told = f"By the largest error at the reference's times: {largest}"
-        parts.append(f"{title}\n\n{table(goal_rows(measured, by_cost, goal))}\n\n{told}")
+        told = f"By the largest error on the way: {largest}"
+        parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
     if any("not reached by N" in part for part in parts):
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {MOST_IMPLICIT}, at most")
     if study.error is not None:
@@ -211,40 +206,45 @@ def dominated_rows(by_cost: _Costs) -> list[list[str]]:
     return [["method", *(_LABELS[cost] for cost in by_cost)], *rows]
 
 
-def goal_rows(measured: Measured, by_cost: _Costs, goal: float) -> list[list[str]]:
-    """The cheapest measured point of each method for the goal, in each cost; nothing is interpolated."""
-    found = {cost: {key: cheapest(points, goal) for key, points in of.items()} for cost, of in by_cost.items()}
-    rows = [["method", *(_LABELS[cost] for cost in by_cost)]]
+def goal_rows(measured: Measured, costs: Sequence[str], goal: float) -> list[list[str]]:
+    """The cheapest `lasting` point of each method for the goal, in each cost; nothing is interpolated."""
+    met = {key: {point.setting for point in lasting(c.points, goal)} for key, c in measured.curves.items()}
+    spent = {cost: {key: measured.costs(c, cost) for key, c in measured.curves.items()} for cost in costs}
+    found = {
+        cost: {key: min((x for s, x in of[key].items() if s in met[key]), default=inf) for key in met}
+        for cost, of in spent.items()
+    }
+    rows = [["method", *(_LABELS[cost] for cost in costs)]]
     for key, curve in measured.curves.items():
         counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
-        applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in by_cost}
+        applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in costs}
         if not curve.refused:
-            cells = (_goal_cell(curve, cost, found[cost], goal) if applies[cost] else "-" for cost in by_cost)
+            missed = "over the limit" if met[key] else _missed(curve, goal)
+            cells = (_goal_cell(cost, key, found[cost], missed) if applies[cost] else "-" for cost in costs)
             rows.append([key, *cells])
     return rows
 
 
-def _goal_cell(curve: Curve, cost: str, found: Mapping[str, Priced | None], goal: float) -> str:
-    point = found[curve.key]
-    if point is None:
-        if min(p.error for p in curve.points) <= goal:
-            return "over the limit"
-        longest = _longest_before_the_floor(curve)
-        return f"{f'not reached by N = {longest}' if longest else 'not met'}: {_least_error(curve)}"
-    shown = f"{point.cost:.0f}" if cost == EVALUATIONS else seconds_text(point.cost)
-    return shown + (" *" if point.cost == min(p.cost for p in found.values() if p) else "")
+def _goal_cell(cost: str, key: str, found: Mapping[str, float], missed: str) -> str:
+    if found[key] == inf:
+        return missed
+    shown = f"{found[key]:.0f}" if cost == EVALUATIONS else seconds_text(found[key])
+    return shown + (" *" if found[key] == min(found.values()) else "")
+
+
+def _missed(curve: Curve, goal: float) -> str:
+    """Why no point of the curve is said to meet the goal."""
+    if min(p.error for p in curve.points) <= goal:
+        return "met, but not in finer runs"
+    *_, last = None, *(point for point in curve.points if isfinite(point.error))
+    more = last and last.steps and last.error > last.doubt  # steps were not tried, and the floor is not reached
+    return f"{f'not reached by N = {last.steps}' if last and more else 'not met'}: {_least_error(curve)}"
 
 
 def goal_text(goal: float) -> str:
     """The error as in 1e-3 or 2.5e-8."""
     mantissa, _, exponent = f"{goal:e}".partition("e")
     return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
-
-
-def _longest_before_the_floor(curve: Curve) -> int | None:
-    """The steps of the longest run if more steps were not tried though its error is not at its floor, else None."""
-    finite = [point for point in curve.points if isfinite(point.error)]
-    return finite[-1].steps if finite and finite[-1].error > finite[-1].doubt else None
 
 
 def _least_error(curve: Curve) -> str:
@@ -266,7 +266,7 @@ def seconds_text(seconds: float) -> str:
 
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
-    """What does not apply, what was not run and what is absent; then how times were taken."""
+    """What does not apply, was not run or is absent; then how times were taken."""
     lines = [f"{key}: does not apply: {c.refused}" for key, c in measured.curves.items() if c.refused]
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
-from math import sin
+from math import pi, sin
 
 import pytest
 
@@ -12,9 +13,11 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import counted_evaluations, field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.numeric.reference_errors import errors
 from driftproof.numeric.work_precision import integrators
 from driftproof.numeric.work_precision.curves import curves
 from driftproof.numeric.work_precision.integrators import COMPILED, KINDS, PYTHON, integrator
+from driftproof.reports.user_problem import problem_given
 
 T = Q(10)
 
@@ -40,6 +43,19 @@ def test_timed_calls_reach_the_state_whose_error_is_measured() -> None:
         runs = integrator(METHODS[key], HARMONIC)
         assert runs.calls[PYTHON](16)() == runs.run(16).states[T]
         assert {*runs.calls, *runs.absent} <= set(KINDS)
+
+
+def test_the_largest_error_is_that_over_all_steps_where_the_solution_is_known_at_them() -> None:
+    """The forced solution sin 2πt is 0 at the reference's ten times; in between the error of steps of 1/4 is larger."""
+    forced = {"rates": "-3*(y - sin(2*pi*t)) + 2*pi*cos(2*pi*t)", "start": 0, "end": 20}
+    problem = problem_given(forced)
+    runs, few = integrator(METHODS["rk4"], problem).run(80), replace(problem.reference, between=())
+    assert len(runs.states) == 80
+    assert {t for t in runs.states if t not in problem.reference.times} <= {t for t, _ in problem.reference.between}
+    asked = (problem, replace(problem, reference=few))
+    seen, of_ten = (errors(each, runs.states)["state"].largest for each in asked)
+    assert abs(seen - max(abs(y - sin(2 * pi * float(t))) for t, (y,) in runs.states.items())) < 1e-14
+    assert seen > 1.1 * of_ten
 
 
 def test_what_numba_would_compile_is_absent_without_it_and_only_where_it_is_asked_for(

@@ -1,22 +1,13 @@
-"""The cheapest measured point, and methods that are never worth choosing."""
+"""Methods that are never worth choosing."""
 
 from __future__ import annotations
 
 from math import inf
 
-from driftproof.numeric.work_precision.verdicts import GOALS, Priced, cheapest, dominators
+from driftproof.numeric.work_precision.verdicts import Priced, dominators
 
 FAST = [Priced(1e-2, 1), Priced(1e-4, 2)]
 SLOW = [Priced(1e-2, 2), Priced(1e-3, 3)]
-
-
-def test_cheapest_is_a_measured_point_and_none_where_no_point_meets_the_goal() -> None:
-    assert cheapest([*SLOW, *FAST], 1e-3) == Priced(1e-4, 2)
-    assert cheapest(SLOW, 5e-4) is None
-    assert cheapest(SLOW, 1e-3) == SLOW[1]
-    assert GOALS == (1e-3, 1e-6, 1e-10)
-    assert cheapest([], 1) is None
-    assert cheapest([*SLOW, Priced(1e-9, inf)], 5e-4) is None
 
 
 def test_a_method_is_dominated_when_every_point_is_and_its_twin_with_one_good_point_is_not() -> None:
