@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1278,
-    "methods": 5400,
-    "symbolic": 10392,
+    "methods": 5403,
+    "symbolic": 10471,
     "numeric": 3962,
-    "blackbox": 20505,
-    "enclosure": 3584,
-    "texts": 9234,
+    "blackbox": 20659,
+    "enclosure": 3649,
+    "texts": 9240,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5858
+BUDGET_OF_REPORTS_AND_FRONT = 5853
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
