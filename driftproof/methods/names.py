@@ -31,7 +31,7 @@ midpoint2 | explicit midpoint rule, midpoint RK2
 rk4 | RK4, Runge-Kutta, Runge-Kutta 4, classical Runge-Kutta, classic Runge-Kutta, fourth-order Runge-Kutta
 rk38 | 3/8 rule, RK4 3/8, Kutta 3/8, three-eighths rule
 ssprk22 | SSPRK2, TVD-RK2
-ssprk33 | SSPRK3, TVD-RK3, Shu-Osher
+ssprk33 | SSPRK(3,3), SSPRK3, TVD-RK3, Shu-Osher
 ssprk104 | SSPRK104
 heun_euler21 | adaptive Heun, RK12
 bogacki_shampine32 | Bogacki-Shampine, BS3, BS23, RK23, ode23

@@ -43,6 +43,8 @@ _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
+# What is no name of a method: the midpoint of a step, and a fraction.
+_PLAIN = re.compile(r"midpoint of |3/8(?! (?:rule|method|runge))")
 # What a text says about the first values of a multistep method.
 STARTING = re.compile(
     r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
@@ -175,7 +177,9 @@ def begins_with_method(text: str) -> bool:
 
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
-    return [(match.start(), _names()[match[0]]) for match in spoken_names().finditer(_flat(text))]
+    flat = _flat(text)
+    named = (match for match in spoken_names().finditer(flat) if not _PLAIN.match(flat, match.start()))
+    return [(match.start(), _names()[match[0]]) for match in named]
 
 
 def _flat(text: str) -> str:

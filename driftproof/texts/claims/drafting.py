@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.claims import MOST_CLAIMS
@@ -15,7 +16,7 @@ from driftproof.texts.claims.contradictions import methods_asked, methods_named
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import properties_in
+from driftproof.texts.claims.properties import Said, properties_in, properties_in_tables
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in
 from driftproof.texts.claims.suggestions import Missed, Suggestions
@@ -104,16 +105,23 @@ def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
 
 def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
     """Claims of the properties that the text says methods have, and of the others that they are perhaps slips."""
-    text = document.text.text
-    for said in {one.phrase: one for one in properties_in(text)}.values():
+    text, of_phrases = document.text.text, dict[str, list[Said]]()
+    for said in properties_in(text):
+        of_phrases.setdefault(said.phrase, []).append(said)
+    for said in (*chain(*of_phrases.values()), *properties_in_tables(text)):
         if not said.holds:
-            wrong = "no" if said.answer == "yes" else "yes"
-            yield f"# line {document.position(said.start).line}: {said.phrase} {SLIP} {said.question} is {wrong}\n"
-        elif count := len(Phrase.of(as_phrase(said.phrase)).exact({}).findall(text)):
-            ids[said.phrase] += 1
-            lines = [f"id = {_quoted(said.phrase)}", f"phrase = {_quoted(as_phrase(said.phrase))}"]
+            so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
+            yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"
+    for phrase, found in of_phrases.items():
+        count = len(Phrase.of(as_phrase(phrase)).exact({}).findall(text))
+        for said in found if count and all(one.holds for one in found) else ():
+            ids[phrase] += 1
+            name = f"{phrase} ({ids[phrase]})" if ids[phrase] > 1 else phrase
+            lines = [f"id = {_quoted(name)}", f"phrase = {_quoted(as_phrase(phrase))}"]
             lines += [f"count = {count}"] * (count > 1) + [f"value = {_quoted(said.question)}"]
             yield "\n".join(["[[claim]]", *lines, *['answer = "no"'] * (said.answer == "no"), ""])
+            if count > 1:
+                break
 
 
 def _method(group: Group, phrase: str, suggestions: Suggestions) -> str | None:

@@ -8,10 +8,15 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from driftproof.texts.claims.contradictions import methods_named, spoken_names
+from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.evaluate import value
 
 # Property -> the fact of that name.
 _FACTS = {"a-stable": "a_stable", "l-stable": "l_stable", "symplectic": "symplectic", "symmetric": "symmetric"}
+# Words before a sentence, or in it, that ask, deny or doubt what it says, and how far before.
+_IN_DOUBT = re.compile(r"\b(?:myth|false|whether|if|unless|claims?|believes?|wrong|say|cannot|nobody|never)\b")
+_BEFORE = 100
+_ANSWERS = {"yes": "yes", "no": "no", "✓": "yes", "✗": "no"}
 
 
 class Said(NamedTuple):
@@ -26,16 +31,33 @@ class Said(NamedTuple):
 
 def properties_in(text: str) -> Iterator[Said]:
     """The sentences of a text in canonical spelling that say of one method that it has a property or has it not."""
-    said = (
-        rf"(?P<of>{spoken_names().pattern}) (?:(?:method|rule|scheme) )?is (?P<no>not )?(?P<what>{'|'.join(_FACTS)})\b"
-    )
+    what, of = "|".join(_FACTS), spoken_names().pattern
+    said = rf"(?P<of>{of})(?: (?:method|rule|scheme))?(?:, [^,.;]{{1,30}},)? is (?P<no>not )?(?P<what>{what})\b"
+    said += rf"(?: (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?(?! ?\?)"
+    lower = text.lower()
     # A hyphen or the end of a line may stand for each blank of a name.
-    for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), text.lower()):
-        fact, found = _FACTS[match["what"]], dict[str, str | None]()
-        for key in sorted(methods_named(match["of"])):  # of leapfrog, both
-            with suppress(ValueError):  # a fact that a multistep method has not
-                found[key] = value(f"{fact} {key}").exact_text
-        if {*found.values()} in ({"yes"}, {"no"}):
-            answer, phrase = "no" if match["no"] else "yes", text[slice(*match.span())].replace("\n", " ")
-            holds = answer in found.values()
-            yield Said(match.start(), phrase, f"{fact} {next(iter(found))}", answer, holds)
+    for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
+        if not _IN_DOUBT.search(lower, max(0, match.start() - _BEFORE), match.end()):
+            phrase = text[slice(*match.span())].replace("\n", " ")
+            for no, what in (("no", "what"), ("no2", "what2")):
+                if match[what]:
+                    yield from _said(match.start(), phrase, match["of"], match[what], "no" if match[no] else "yes")
+
+
+def properties_in_tables(text: str) -> Iterator[Said]:
+    """The cells of tables that say yes or no under the name of a property, in the rows of single methods."""
+    for row in TextTables(text).rows():
+        label = next((cell.text for cell in row if methods_named(cell.text)), "")
+        for cell in row:
+            if cell.head in _FACTS and cell.text in _ANSWERS:
+                phrase = f"{label} is {'not ' * (_ANSWERS[cell.text] == 'no')}{cell.head}"
+                yield from _said(cell.start, phrase, label, cell.head, _ANSWERS[cell.text])
+
+
+def _said(start: int, phrase: str, of: str, what: str, answer: str) -> Iterator[Said]:
+    fact, found = _FACTS[what], dict[str, str | None]()
+    for key in sorted(methods_named(of)):  # of leapfrog, both
+        with suppress(ValueError):  # a fact that a multistep method has not
+            found[key] = value(f"{fact} {key}").exact_text
+    if {*found.values()} in ({"yes"}, {"no"}):
+        yield Said(start, phrase, f"{fact} {next(iter(found))}", answer, answer in found.values())

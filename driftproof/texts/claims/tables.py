@@ -44,8 +44,14 @@ class TextTables:
 
     def row_of(self, number: TextNumber) -> list[Cell]:
         """The cells of the number's row in a table; [] outside tables."""
-        start = self._text.rfind("\n", 0, number.start) + 1
-        row = self._text[start : (self._text.find("\n", number.end) + 1 or len(self._text) + 1) - 1]
+        return self._row(self._text.rfind("\n", 0, number.start) + 1)
+
+    def rows(self) -> Iterator[list[Cell]]:
+        """The cells of every row of every table."""
+        yield from filter(None, (self._row(line.start()) for line in re.finditer("(?m)^", self._text)))
+
+    def _row(self, start: int) -> list[Cell]:
+        row = self._text[start : (self._text.find("\n", start) + 1 or len(self._text) + 1) - 1]
         if start not in self._rows:
             self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
         return self._rows[start]

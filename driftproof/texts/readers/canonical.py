@@ -15,7 +15,8 @@ _ONE_SIGN = {
     **dict.fromkeys("\u2212\u2010\u2011\u2012\u2013\ufe63\uff0d", "-"),  # minus signs, and dashes
     **dict.fromkeys("⁄∕", "/"),
     **dict.fromkeys("’‘′", "'"),
-    **dict.fromkeys("“”″", '"'),
+    **dict.fromkeys("“”", '"'),
+    "″": "''",
     **dict.fromkeys("⋅∙", "·"),
     **dict.fromkeys("\u200b\u200c\u200d\u2060\u2061\u2062\u2063\u2064\ufeff\u00ad", ""),  # of zero width
 }
