@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise, product
 from math import cos, hypot, log2
@@ -24,7 +24,8 @@ from driftproof.blackbox.probes.stage_solutions import step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import TOGETHER
+from driftproof.blackbox.stepper.opening import drifts
+from driftproof.blackbox.stepper.state_forms import BODIES, TOGETHER
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
@@ -61,7 +62,8 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
     found, given = explain_by_habits(subject, wanted, examples), subject.convention
     if not found.holds and given.kind == MAP and not given.extra and CARRIED not in given.order:
         (*_, (q, v)), _ = ordinary_arguments(subject, wanted.domain)
-        more = TOGETHER.get(subject.adapter.name, 0) - 2 if STATE in given.order else 0
+        subject, size = _whole(subject)
+        more = size - 2
         # None of them has a 0, where a friction jumps.
         states = [(q, v), (v / 2, q / 2), (-q, v / 4)]
         others = [[v * cos(3 * i + place) for i in range(more)] for place in range(len(states))]
@@ -71,6 +73,26 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
         if more > 0:
             raise OwnSystem(f"its system of {more + 2} numbers is built in, and short steps show no slopes of it")
     return found
+
+
+def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
+    """The subject as it takes all numbers of its system, and how many these are.
+
+    They are more than q and v if one array or object holds them, or if coordinates move each other.
+    """
+    known, held = TOGETHER.get(subject.adapter.name, 0), getattr(subject.function, "size", 0)
+    if STATE in subject.convention.order or held:
+        return subject, max(2, known, held)
+    for adapter, row in ((BODIES, 3),) * drifts(subject) + ((subject.adapter, known),):
+        several = replace(subject, adapter=adapter)
+        for size in (3 * row, 2 * row, row) if row else (3, 2):
+            with suppress(Misbehaviour):
+                y = [cos(i) for i in range(2 * size)]
+                end, other = (np.array(several.step_state([x, *y[1:]], _COMPARED[1])) for x in (y[0], y[0] / 2))
+                moved = np.abs(end - other) > _ROUGH * np.abs(end)
+                if moved[[i for i in range(2 * size) if i % size]].any():
+                    return several, 2 * size
+    return subject, 2
 
 
 @dataclass(frozen=True)
@@ -166,15 +188,15 @@ class _OwnSystem:
             raise OwnSystem(f"{system}: steps of {key} on it are not known: {why}") from None
         if not far:
             raise OwnSystem(f"{system}: on it its steps are those of {key}, to {off:.0e}")
-        near, different = self._off_near_rest(wanted)
-        if not different and self.size == 2:
+        near, different = self._off_near_rest(wanted) if self.size == 2 else (0.0, far)
+        if not different:
             raise OwnSystem(f"{system}: near (0, 0) its steps are those of {key}, to {near:.0e}; elsewhere {far}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def _off_near_rest(self, wanted: Specification) -> tuple[float, str]:
         """How far steps of tiny states are off, where the system is at rest in (0, 0)."""
         with suppress(Misbehaviour, ArithmeticError, MethodError):
-            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:  # of more numbers, all are seen
+            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:
                 return self._off(wanted, _TINY)
         return 0.0, "it is not at rest"
 

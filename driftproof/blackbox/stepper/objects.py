@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
@@ -130,6 +131,22 @@ class ObjectStep:
         _act(body, self.advance, h)
         q1, v1 = self._drop_unless_finite([x for place in places for x in place.read(body)])
         return q1, v1
+
+    @property
+    def size(self) -> int:
+        """How many numbers the object of a system of its own keeps at its places; 0 if that is not known."""
+        with suppress(Exception):  # foreign code
+            if not self.takes_function:
+                return sum(np.size(_Accessor.of(place).get(self._ready(None))) for place in self.places)
+        return 0
+
+    def whole(self, y: Sequence[float], h: float) -> list[float]:
+        """A step of all numbers of the object's own system."""
+        body, places = self._ready(None), [_Accessor.of(place, len(y) // len(self.places)) for place in self.places]
+        for place, numbers in zip(places, np.reshape(y, (len(places), -1)).tolist(), strict=True):
+            place.write(body, numbers)
+        _act(body, self.advance, h)
+        return self._drop_unless_finite([x for place in places for x in place.read(body)])
 
     def solved(self, f: Callable[..., Any], y: Sequence[float], h: float, t: float = 0.0) -> Any:
         """Write the state and the time, advance the object, and read its state, error estimate and dense output."""

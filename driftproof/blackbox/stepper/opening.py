@@ -107,7 +107,8 @@ def opened(
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
     )
     if (found := first_of(trials)) and not _stands_still(found):
-        return found
+        attracting = {*found.convention.extra} & {*calling.MASSES} and drifts(found) and as_plain()
+        return attracting or found
     lacking = found or isinstance(failures[0].__cause__, ValueError | IndexError)  # of three numbers, or of a grid
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
@@ -126,6 +127,12 @@ def _stands_still(subject: ForeignStepper) -> bool:
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def drifts(subject: ForeignStepper) -> bool:
+    """True if no force acts in the system that is built in, as on one body where bodies attract each other."""
+    (q, v), end = TRIAL_STATE, subject.begun and subject.begun[1]
+    return subject.convention.kind == calling.MAP and np.array_equal(end or (), (q + TRIAL_STEP * v, v))
 
 
 def _tried_out(line: str, step: Callable[..., Any]) -> str:
