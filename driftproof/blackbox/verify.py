@@ -139,7 +139,7 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     remarks = [f"remark: {each.words}" for each in (*told, *checked)]
     data["remarks"] = list(remarks)
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
-    parts.append(("Calls made", [f"{made} calls of the stepper"]))
+    parts.append(("Calls made", [f"{made} calls of the stepper"] * bool(made)))  # a process that was ended counts none
     return Report(target, verdict, seen.passed, sections(*parts), data)
 
 

@@ -25,7 +25,8 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE, STEP, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import TOGETHER
+from driftproof.blackbox.stepper.opening import drifts
+from driftproof.blackbox.stepper.state_forms import BODIES, TOGETHER
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
@@ -69,17 +70,17 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     given, ((*_, (q, v)), _) = subject.convention, ordinary_arguments(subject, domain)
     if given.kind != MAP or given.extra or CARRIED in given.order:
         return None
-    # None of them has a 0, where a friction jumps.
-    states: list[tuple[float, ...]] = [(q, v), (v / 2, q / 2), (-q, v / 4)]
-    more = TOGETHER.get(subject.adapter.name, 0) - 2 if STATE in given.order else 0
-    states = [(*y, *[v * cos(3 * i + place) for i in range(more)]) for place, y in enumerate(states)]
     if (begun := [*chain(*getattr(subject.function, "begun", ()))])[2:]:  # of an object with further numbers
-        of_all, more = subject.function.of_all, len(begun)  # type: ignore[attr-defined]
-        alone = CallingConvention(MAP, (STATE, STEP))
+        of_all, alone = subject.function.of_all, CallingConvention(MAP, (STATE, STEP))  # type: ignore[attr-defined]
         subject = replace(subject, function=of_all, convention=alone, adapter=ARRAYS, log=CallLog())
-        states = [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(len(states))]
+        states = [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(3)]
+    else:
+        subject, size = (subject, 2) if begun else _whole(subject)
+        # None of them has a 0, where a friction jumps.
+        first = [(q, v), (v / 2, q / 2), (-q, v / 4)]
+        states = [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
     system = OwnSteps.of(subject, states)
-    if system is None and more > 0:
+    if system is None and len(states[0]) > 2:
         raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and short steps show no slopes of it")
     return system
 
@@ -101,6 +102,26 @@ def own_methods(subject: ForeignStepper) -> OwnMethods | None:
             far[key] = system.off(Specification(method))[1]
     keys = tuple(key for key, words in far.items() if not words)
     return OwnMethods(system.words, keys if keys or len(far) == len(METHODS) else None)
+
+
+def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
+    """The subject as it takes all numbers of its system, and how many these are.
+
+    They are more than q and v if one array holds them, or if coordinates move each other.
+    """
+    known = TOGETHER.get(subject.adapter.name, 0)
+    if STATE in subject.convention.order:
+        return subject, max(2, known)
+    for adapter, row in ((BODIES, 3),) * drifts(subject) + ((subject.adapter, known),):
+        several = replace(subject, adapter=adapter)
+        for size in (3 * row, 2 * row, row) if row else (3, 2):
+            with suppress(Misbehaviour):
+                y = [cos(i) for i in range(2 * size)]
+                end, other = (np.array(several.step_state([x, *y[1:]], _COMPARED[1])) for x in (y[0], y[0] / 2))
+                moved = np.abs(end - other) > _ROUGH * np.abs(end)
+                if moved[[i for i in range(2 * size) if i % size]].any():
+                    return several, 2 * size
+    return subject, 2
 
 
 @dataclass(frozen=True)

@@ -215,6 +215,8 @@ def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> So
         if times is None or states is None:
             raise WrongShape(f"it returns {type(answer).__name__}, not (t, y) nor an object with t and y")
     t, y = as_array(times).astype(float).ravel(), as_array(states)
+    if not t.size:
+        raise WrongShape("it returns no time and no state")
     kind = BINARY32 if "float32" in type_of(states) or "float32" in type_of(times) else BINARY64
     return Solution(tuple(t.tolist()), _rows(y.astype(float), t.size, y0), calls, _complaint(answer), dense, kind)
 

@@ -94,7 +94,8 @@ def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ..
     found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
-    return (*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless)
+    lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == "instrument_failed"]
+    return (*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless, *lost)
 
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:

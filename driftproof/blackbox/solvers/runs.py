@@ -321,13 +321,17 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
         f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
         for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=True)
     ]
+    hidden = f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"
     if len({run.t for run in runs}) == 1:
         if _is_deaf(subject, problem, span, runs[0]):
             return lines, ["rtol is ignored: the steps are the same at every tolerance"]
-        return [*lines, f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"], []
+        return [*lines, hidden], []
     # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
     if max(errors[-1], floor) > max(errors[0] / 10, _TOLERANCES[-1]) and errors[0] > 10 * floor:
+        tiniest = _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST) if errors[0] < _TOLERANCES[0] else None
+        if tiniest and not tiniest.complaint and 10 * _error(tiniest, problem) < errors[-1]:
+            return [*lines, hidden], []
         return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
     clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor]
     if len(clear) > 1:

@@ -82,7 +82,7 @@ _VELOCITIES = (
 )
 _STATES = (
     *("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi"),
-    *("y_0", "u_0", "x_0", "carry"),
+    *("y_0", "u_0", "x_0", "carry", "y_n", "y_k", "xyz", "current_state"),
 )
 # "compute" and the like at the start of a function's name, or "fn" at its end, do not change what it computes.
 VERBS = re.compile(r"^(get|compute|calc|calculate|eval|update)_?|_(fn|func|fun|function)$")
@@ -92,7 +92,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     POSITION: _POSITIONS,
     VELOCITY: _VELOCITIES,
     STATE: _STATES,
-    TIME: ("t", "time", "t0", "tn", "ti"),
+    TIME: ("t", "time", "t0", "tn", "ti", "t_n", "t_k", "current_time"),
     STEP: (  # the likeliest first: h and eps beside a dt are no step sizes
         *("dt", "timestep", "time_step", "step_size", "stepsize", "delta_t", "deltat", "deltatime", "delta_time", "δt"),
         *("frame_time", "frametime", "elapsed", "h", "step", "tau", "delta", "eps", "epsilon"),
@@ -276,7 +276,8 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     if {*MASSES} & words and any(is_called(FUNCTION, word) and VERBS.search(word) for word in words):
         return None  # get_acc(x, m) may be asked with an array of masses: `plain_forms`
     # In f(x, y), as books write it, x is the time.
-    meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
+    booked = {FUNCTION, STATE} <= {*roles} and words & {"y", "yi"} and not words & {*ROLES[TIME]}
+    meant = {"x": "t", "xi": "t"} if booked else {}
     meant |= {"q": "y"} if kind == FIELD else {}
     sized, no_roles = size_name(names), (*matrices(names), *launch(names))
     for name in names:

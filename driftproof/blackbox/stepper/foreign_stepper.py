@@ -149,7 +149,10 @@ class ForeignStepper(ForeignCode):
         return list(zip(positions, velocities, strict=True))
 
     def step_state(self, y: Sequence[AnyNumber], h: AnyNumber, t: float = 0.0) -> list[AnyNumber]:
-        """One step of its built-in system from t, whose state is one array, a record or the like."""
+        """One step of its built-in system from t, whose state is one array, a record or the like, or [q..., v...]."""
+        if STATE not in self.convention.order:
+            q, v, write = y[: len(y) // 2], y[len(y) // 2 :], self._of_several.write
+            return self._pair({POSITION: write(q), VELOCITY: write(v), STEP: h, TIME: t}, q, v, h)
         answer = self.called({STATE: self.adapter.write(y), STEP: h, TIME: t}, f"state={[*y]!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, len(y), t + h), [*y, h])
 

@@ -339,6 +339,9 @@ class _Made(NamedTuple):
         if left:
             copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)  # what is kept may be changed in place
             later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
+            copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}  # so may be what it is given
+            given = ", ".join(copies.get(each, each) for each in self.arguments.values())
+            begin = begin.replace(made, f"{name_of(self.make)}({given})", 1)
         return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def fitted(self) -> _Made:

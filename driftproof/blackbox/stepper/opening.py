@@ -107,7 +107,10 @@ def opened(
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
     )
     if (found := first_of(trials)) and not _stands_still(found):
-        return found
+        alone = (
+            found.convention.run if found.single else {*found.convention.extra} & {*calling.MASSES} and drifts(found)
+        )
+        return (as_plain() if alone else None) or found  # of n numbers, or of bodies that attract each other
     lacking = found or isinstance(failures[0].__cause__, ValueError | IndexError)  # of three numbers, or of a grid
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
@@ -126,6 +129,12 @@ def _stands_still(subject: ForeignStepper) -> bool:
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def drifts(subject: ForeignStepper) -> bool:
+    """True if no force acts in the system that is built in, as on one body where bodies attract each other."""
+    (q, v), end = TRIAL_STATE, subject.begun and subject.begun[1]
+    return subject.convention.kind == calling.MAP and np.array_equal(end or (), (q + TRIAL_STEP * v, v))
 
 
 def _tried_out(line: str, step: Callable[..., Any]) -> str:
@@ -245,8 +254,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
     if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers
         two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
-        if np.array_equal(two, end):
-            raise WrongShape("a run of two steps ends where one of one step does")
+        if np.array_equal(two, end) or [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]:
+            raise WrongShape("a run of two steps ends where one of one step does, or moves more numbers")
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:

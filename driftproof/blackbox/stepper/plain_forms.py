@@ -105,7 +105,9 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
             call.heavy, shape = _HEAVY, (2, len(_HEAVY), call.axes or _IN_SPACE)
             yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
     elif STATE in held and of_force:
-        yield lambda f, t, y, h: call.solved(f, t, y, h)
+        yield (
+            (lambda f, t, y, h: call.solved(f, t, y, h)) if TIME in held else lambda f, y, h: call.solved(f, 0.0, y, h)
+        )
     elif STATE in held:
         yield lambda y, h: call.solved(None, 0.0, y, h)
 
@@ -181,11 +183,12 @@ class _Call:
         def rate(*asked: Foreign) -> Foreign:
             (place, *others), times = _arrays_and_numbers(asked, state.size)
             assert f is not None
-            return _written(np.asarray(f(next(iter(times), t), place), float), others)
+            at = [*times, t][: bool(times) or TIME in self.roles.values()]
+            return _written(np.asarray(f(*at, place), float), others)
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
-            given[CARRIED] = np.asarray(f(t, state), float)
+            given[CARRIED] = np.asarray(rate(t, state), float)
         answer, outs = self._called(given, state)
         return answer if answer is not None else outs[0] if outs else state
 

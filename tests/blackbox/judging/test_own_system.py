@@ -148,6 +148,74 @@ def bodies(kept=lambda made, acc: acc, unit=1.0, **how):
     return stepper_of(lambda: Bodies(unit, kept), position="pos", velocity="vel", **how)
 
 
+def coupled(stale=False):
+    """Two masses between three springs; one of them alone is on two springs."""
+    springs = np.array([[2.0, -1.0], [-1.0, 2.0]])
+
+    def step(x, v, dt):
+        pull = -springs @ x
+        v = v + dt / 2 * pull
+        x = x + dt * v
+        return x, v + dt / 2 * (pull if stale else -springs @ x)
+
+    return step
+
+
+def together(stale=False):
+    """Two masses on one spring, whose difference moves as one of them alone does not."""
+
+    def pull(x):
+        apart = x[1] - x[0]
+        return np.array([apart, -apart])
+
+    def step(x, v, dt):
+        first = pull(x)
+        v = v + dt / 2 * first
+        x = x + dt * v
+        return x, v + dt / 2 * (first if stale else pull(x))
+
+    return step
+
+
+def galaxy_of_ones(stale=False):
+    return lambda pos, vel, dt: galaxy(stale)(pos, vel, np.ones(len(pos)), dt)
+
+
+def by_index(stale=False):
+    """Bodies in space whose masses are asked for by number; a single body feels no force."""
+
+    def pull(pos, mass):
+        slopes = np.zeros_like(pos)
+        for i in range(len(pos)):
+            for j in range(len(pos)):
+                if i != j:
+                    apart = pos[j] - pos[i]
+                    slopes[i] += mass[j] * apart / (apart @ apart + 0.01) ** 1.5
+        return slopes
+
+    def step(pos, vel, mass, dt):
+        first = pull(pos, mass)
+        vel = vel + dt / 2 * first
+        pos = pos + dt * vel
+        return pos, vel + dt / 2 * (first if stale else pull(pos, mass))
+
+    return step
+
+
+class Coupled:
+    """Two masses between three springs, x before v for each."""
+
+    def __init__(self) -> None:
+        self.state, self.advance = np.array([1.0, 0.0, 0.0, 0.0]), rk4_of(self.rate)
+
+    def rate(self, t: float, y: Any) -> Any:
+        x, v, z, w = y
+        return np.array([v, z - 2 * x, w, x - 2 * z])
+
+    def step(self, dt: float) -> None:
+        self.state = self.advance(self.state, 0.0, dt)
+
+
 def moved(made, h):
     made.dt = h
     made.step()
@@ -182,6 +250,12 @@ RIGHT = {
         "velocity_verlet",
         "on it are not known: in a step of it slopes hardly change",
     ),
+    "an object of three numbers": (stepper_of(Lorenz, state="state", advance=moved), "rk4", "one of 3 numbers: on it"),
+    "two coupled masses": (coupled(), "velocity_verlet", "one of 4 numbers: on it its steps are those of"),
+    "two bodies that attract": (together(), "velocity_verlet", "one of 4 numbers: on it its steps are those of"),
+    "one body or more": (galaxy_of_ones(), "velocity_verlet", "one of 18 numbers: on it its steps are those of"),
+    "bodies by mass[j]": (by_index(), "velocity_verlet", "one of 18 numbers: on it its steps are those of"),
+    "an object of four numbers": (stepper_of(Coupled, state="state"), "rk4", "one of 4 numbers: on it"),
 }
 WRONG = {
     "a slope of a spring": (on(springs, of=2), "rk4", "v' = -15 q - 0.1 v: a step of"),
@@ -199,6 +273,11 @@ WRONG = {
     "bodies of an object": (bodies(lambda made, acc: made.acc), "velocity_verlet", "of 12 numbers: a step of"),
     "bodies by another method": (bodies(), "symplectic_euler", "of 12 numbers: a step of"),
     "three masses": (galaxy(masses=0.5), "velocity_verlet", "one of 18 numbers: a step of"),
+    "two coupled masses": (coupled(True), "velocity_verlet", "one of 4 numbers: a step of"),
+    "two bodies that attract": (together(True), "velocity_verlet", "one of 4 numbers: a step of"),
+    "one body or more": (galaxy_of_ones(True), "velocity_verlet", "one of 18 numbers: a step of"),
+    "bodies by mass[j]": (by_index(True), "velocity_verlet", "one of 18 numbers: a step of"),
+    "an object of four numbers": (stepper_of(Coupled, state="state"), "heun2", "one of 4 numbers: a step of"),
     "a drag per step": (lambda x, v, dt: (x + dt * v, 0.99 * v - 15 * dt * x), "forward_euler", "halving h doubles it"),
     "no slopes": (lambda x, v, dt: (x + dt * v, v - x), "forward_euler", "h is missing"),
     "q'' = -q": (on(lambda t, x, v: (v, -x), of=2), "rk4", "is not rk4"),

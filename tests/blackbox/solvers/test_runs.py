@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import cos, sin
 
 import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import NoAnswer
+from driftproof.blackbox.solvers import runs
 from driftproof.blackbox.solvers.foreign_solver import LENGTH, ForeignSolver
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
@@ -72,6 +74,48 @@ def test_a_solver_that_ends_early_and_says_so_is_not_said_to_be_silent():
 
 def test_a_tolerance_that_is_refused_is_not_said_to_be_ignored():
     assert read(refusing(lambda t_span, y0, rtol: rtol < 1e-9, "too much accuracy")).faults == ()
+
+
+def before_the_end(f, t_span, y0, h):
+    """A loop that leaves out the end, and backward makes no step at all."""
+    (t, end), y, times, states = t_span, np.array(y0), [], []
+    while t < end:
+        times.append(t)
+        states.append(y)
+        y, t = y + h * f(t, y), t + h
+    return times, states
+
+
+def test_a_solver_that_returns_nothing_backward_keeps_its_other_faults():
+    found = identify_solver(before_the_end, isolate=False).data
+    assert any("one step too few" in each for each in found["faults"])
+    assert found["runs"]["Backward"][0].startswith("backward in time it gives no answer")
+
+
+def test_an_instrument_that_fails_is_a_fault_of_the_report(monkeypatch):
+    monkeypatch.setitem(runs._QUESTIONS, "Clock", lambda subject: ()[0])
+    assert "not measured: IndexError" in identify_solver(adaptive(), isolate=False).data["faults"][-1]
+
+
+def capped(power=1.0, floor=0.0):
+    """Steps of 1/8 at most, whose errors are far below large tolerances."""
+    solve = adaptive(tolerances=lambda rtol, atol: (max(rtol**power, floor), max(atol**power, floor)))
+
+    def shortened(f, t_span, y0, rtol, atol):
+        parts = np.linspace(*t_span, 2 + int(8 * abs(t_span[1] - t_span[0])))
+        times, states = [t_span[0]], [np.array(y0)]
+        for part in pairwise(parts):
+            run = solve(f, part, states[-1], rtol, atol)
+            times += [*run.t[1:]]
+            states += [*np.reshape(run.y, (len(run.t), -1))[1:]]
+        return Answer(np.array(times), np.array(states), True, "")
+
+    return shortened
+
+
+def test_a_largest_step_that_hides_some_tolerances_is_no_fault():
+    assert not [each for each in read(capped()).faults if "10 times smaller" in each]
+    assert [each for each in read(capped(floor=1e-4)).faults if "10 times smaller" in each or "is ignored" in each]
 
 
 def only_first(name):

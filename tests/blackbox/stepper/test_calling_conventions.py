@@ -33,7 +33,7 @@ WILD = {
     (FORCE, "position velocity carried step function"): ["q, p, f0, h, force"],
     (FIELD, "function time state step"): [
         "f, t, y, h", "fun, t0, y0, step_size", "dydt, tn, yn, h", "f, t, y, h, *, atol=1e-8, **options",
-        "f, x, y, h",
+        *("f, x, y, h", "f, xi, yi, h", "f, t_n, y_n, h", "deriv, current_time, current_state, delta_t"),
     ],
     (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()", "f, q, t, h"],
     (FIELD, "time state step function"): ["t, y, h, f"], (FIELD, "function state step"): ["rhs, u, dt"],

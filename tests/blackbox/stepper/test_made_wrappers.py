@@ -281,7 +281,7 @@ import numpy as np
 
 class Carried:
     def __init__(self, accel, q0, v0):
-        self.accel, self.q, self.v = accel, np.array(q0, float), np.array(v0, float)
+        self.accel, self.q, self.v = accel, np.asarray(q0, float), np.asarray(v0, float)
         self.a = accel(self.q)
     def kick(self, dt):
         self.v += dt / 2 * self.a
