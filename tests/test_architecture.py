@@ -69,16 +69,16 @@ BUDGETS = {
     "methods": 5403,
     "symbolic": 10471,
     "numeric": 3962,
-    "blackbox": 20659,
+    "blackbox": 20706,
     "enclosure": 3649,
-    "texts": 9240,
+    "texts": 9332,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5853
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
 # implicit steps as engineers write them, and steps and solvers as they stand in public code.
-TESTS_PER_LINE_OF_SOURCE = Fraction(955, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(957, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from difflib import SequenceMatcher
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import without_starters
@@ -79,13 +79,13 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
             findings += [
                 Finding(claim.id, *at, untrue, claim.fact[1], f"{untrue}, not {claim.fact[1]}") for at in places
             ]
-        for place in one.occurrences if claim.method else ():
-            start, end = place.span(claim.phrase.names[0])
+        for place, (method, name) in product(one.occurrences, zip(claim.methods, claim.phrase.names, strict=False)):
+            start, end = place.span(name)
             row = tables.row_of(TextNumber(start, end, text[start:end], None))
-            if claim.method not in (named := place_of(lower, start, end, row, {}).methods):
+            if method not in (named := place_of(lower, start, end, row, {}).methods):
                 names = ", ".join(sorted(named)) or "no method"
-                said = f"the text names {names} here, not {claim.method}"
-                findings.append(Finding(claim.id, *document.position(start), str(claim.method), names, said))
+                said = f"the text names {names} here, not {method}"
+                findings.append(Finding(claim.id, *document.position(start), method, names, said))
         yield tuple(findings[:_MOST_FINDINGS])
 
 

@@ -26,6 +26,7 @@ _LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
+_KEYS = frozenset((*METHODS, *FACTS_ONLY))
 _FORM = ("places", "digits", "exact", "rounding", "spelled")
 
 
@@ -58,8 +59,8 @@ class Expected:
 class Claim:
     """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given.
 
-    The text names the `method` where the first value stands. A phrase without values may say a `fact`, a question with
-    its answer, such as yes.
+    The text names the `methods` where the values stand, or one where the first stands. A phrase without values may say
+    a `fact`, a question with its answer, such as yes.
     """
 
     id: str
@@ -68,7 +69,7 @@ class Claim:
     count: int
     given: str | None
     ignore_case: bool
-    method: str | None = None
+    methods: tuple[str, ...] = ()
     fact: tuple[str, str] | None = None
 
     def spellings(self) -> dict[str, list[str]]:
@@ -164,11 +165,15 @@ def _claim(entry: TomlTable, number: int) -> Claim:
             raise ValueError(f"the number {phrase.free_numbers[0]} of its phrase {reason}")
         if not (values or fact or given):
             raise ValueError("its phrase contains no number; write {value} in place of one and define value")
-        if (method := entry.get("method")) is not None and not (values and method in (*METHODS, *FACTS_ONLY)):
-            raise ValueError("method is the key of a method that the text names where the first value stands")
+        methods = entry.get("method", [])
+        methods = methods if isinstance(methods, list) else [methods]
+        if len(methods) not in {0, min(1, len(values)), len(values)} or not _KEYS.issuperset(map(str, methods)):
+            raise ValueError(
+                "method is the key of a method that the text names where the value stands, or one for each"
+            )
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
-        return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case, method, fact)
+        return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case, tuple(methods), fact)
 
 
 def _fact(entry: TomlTable, phrase: Phrase) -> tuple[str, str] | None:

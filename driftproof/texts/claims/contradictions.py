@@ -56,7 +56,12 @@ _LONGEST = 400
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
 # The unit of a time, as in day 20.
 TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
-SETTING = {x: re.compile(rf"(?<![\w.]){said}\s?=\s?{POSITIVE}") for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))}
+# Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
+_OF_TUPLE = r"(?<=\w, )\w+\s?=\s?[-0-9.e]+, ?-?[0-9]"
+SETTING = {
+    x: re.compile(rf"(?<![\w.])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
+    for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))
+}
 
 
 def contradicted(question: str, text: str, start: int, end: int, asked: bool) -> bool:
@@ -159,6 +164,19 @@ def methods_asked(question: str) -> set[str]:
 def last_methods_named(*texts: str) -> set[str]:
     """The keys of the method named last in the first of the texts that names one."""
     return next((found[-1][1] for text in texts if (found := _named(text))), set())
+
+
+def method_in_list(before: str, after: str) -> set[str] | None:
+    """The keys of the method that a number is of in "A, B and C are x, y and z, respectively"; None elsewhere."""
+    flat, first, end = _flat(before), 0, 0
+    for match in spoken_names().finditer(flat):
+        joined = re.fullmatch(r",? ?(?:and|or)? ?(?:the )?", flat[end : match.start()])
+        first, end = first if joined else match.start(), match.end()
+    numbers = [len(re.findall(r"(?<![\w.^])-?[0-9]+(?:\.[0-9]+)?", part)) for part in (flat[end:], after)]
+    listed = [keys for at, keys in _named(before) if at >= first]
+    if len(listed) < 2 or sum(numbers) + 1 != len(listed) or "respectively" not in after:
+        return None
+    return listed[numbers[0]]
 
 
 def without_starters(text: str) -> str:

@@ -74,8 +74,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             phrase, stands = search.phrase(room, group)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
-        method = _method(group, phrase, suggestions) if len(stands) == 1 else None
-        drafted.append(_claim(group, phrase, len(stands), place, ids, method) if stands else claim)
+        methods = _methods(group, phrase, suggestions) if len(stands) == 1 else []
+        drafted.append(_claim(group, phrase, len(stands), place, ids, methods) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
@@ -124,20 +124,21 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
                 break
 
 
-def _method(group: Group, phrase: str, suggestions: Suggestions) -> str | None:
-    """The one method of the values of a group, if the text names it there and not in the phrase as it does there."""
+def _methods(group: Group, phrase: str, suggestions: Suggestions) -> list[str]:
+    """The methods of the values of a group, or the one of all, if the text names them there, and not in the phrase."""
     strong = [member for member in group if member.strong]
     asked = [methods_asked(member.alike[0].question) for member in strong]
-    if not asked or len(asked[0]) != 1 or any(keys != asked[0] for keys in asked):
-        return None
-    (key,) = asked[0]
-    number, said = strong[0].number, phrase.lower()
-    label = next((cell.text for cell in suggestions.tables.row_of(number) if key in methods_named(cell.text)), "")
-    is_said = key in methods_named(said) and label in said
-    return key if key in suggestions.methods_at(number) and not is_said else None
+    row = suggestions.tables.row_of(strong[0].number) if strong else []
+    if not strong or any(len(keys) != 1 for keys in asked) or (row and any(keys != asked[0] for keys in asked)):
+        return []
+    keys, said = [key for (key,) in asked], phrase.lower()
+    label = next((cell.text for cell in row if keys[0] in methods_named(cell.text)), "")
+    is_said = {*keys} <= methods_named(said) and label in said
+    named = all(key in suggestions.methods_at(member.number) for key, member in zip(keys, strong, strict=True))
+    return [] if is_said or not named else keys if len({*keys}) > 1 else keys[:1]
 
 
-def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str], method: str | None) -> str:
+def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str], methods: list[str]) -> str:
     """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
     head, line = group[0], place.partition(",")[0]
     valued, chosen = any(member.strong for member in group), head.chosen
@@ -149,7 +150,7 @@ def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str],
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
     if valued or chosen:
         lines += _values([member for member in group if member.strong]) if valued else []
-        lines += [f"method = {_quoted(method)}"] if method else []
+        lines += [f"method = {json.dumps(methods if methods[1:] else methods[0])}"] if methods else []
         lines += ['given = "the text chooses it"'] * chosen
     else:
         lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]

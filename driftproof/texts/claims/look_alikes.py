@@ -52,6 +52,8 @@ SHARE = "percent({}, 1)"
 _NEIGHBOURHOOD = 100
 
 
+# A step size or a time in a question.
+_SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 # A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
 _SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
 
@@ -127,6 +129,7 @@ class LookAlikes:
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
+        kinds = {without_sizes(each.question) for each in meant if each.stated}
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
@@ -135,7 +138,8 @@ class LookAlikes:
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
-            elsewhere = placed and known.stated and known not in meant
+            other = without_sizes(known.question) in kinds and not place.has_step(known.question)
+            elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits
             strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
@@ -336,6 +340,11 @@ class LookAlikes:
                 raise
 
         return replace(answer, exact=ball)
+
+
+def without_sizes(question: str) -> str:
+    """The question without its step size and time."""
+    return _SIZE.sub("", question)
 
 
 def printed(done: Calculation, number: TextNumber) -> list[str]:

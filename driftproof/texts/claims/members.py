@@ -22,6 +22,8 @@ _SETTING = re.compile(
     r"|[^\W\d_]\w{0,9}'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
+# Words before the limit of a step size, as in stable up to h = 1.4.
+_LIMIT = re.compile(r"\b(?:up to|out to|until|at most|stable for|limit|largest step)\b[^.;,]{0,20}\Z")
 # The head of a column of such numbers.
 _HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[](?![0-9]).*)?")
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
@@ -56,6 +58,8 @@ class Member:
         before = text[start : number.start].replace("\n", " ")
         parameter = re.search(r"(?<![\w./])([^\W\d]\w*) ?= ?\Z", before)
         found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
+        if found and _LIMIT.search(text[max(0, start - _LONGEST_SETTING) : start + found.start()].lower()):
+            found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         if _HEAD_OF_SETTINGS.fullmatch(suggestions.tables.column_of(number)):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])

@@ -13,6 +13,8 @@ from driftproof.texts.claims.contradictions import (
     SETTING,
     TIME_UNIT,
     last_methods_named,
+    method_in_list,
+    methods_asked,
     methods_named,
     sentence_around,
 )
@@ -87,6 +89,7 @@ class Place:
     unknown: str | None
     sure: bool = False
     near: frozenset[str] = frozenset()
+    listed: bool = False
 
     def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
         """True if a method of the question is named here, no other time, and its step size among `sizes`."""
@@ -95,9 +98,16 @@ class Place:
         return not methods.isdisjoint(self.methods) and timed and {*sizes} >= {*asked["h"]}
 
     def denies(self, question: str) -> bool:
-        """True if the row or the sentence gives another step size or time than the question asks for."""
+        """True if the row or the sentence gives another step size or time, or a list another method, than asked for."""
         asked = _asked_settings(question)
+        if self.listed and not methods_asked(question) <= self.methods:
+            return True
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
+
+    def has_step(self, question: str) -> bool:
+        """True if the step size of the question is the one here, or one of both has none."""
+        asked = _asked_settings(question)["h"]
+        return not asked or self.settings.get("h") in (None, *asked)
 
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
@@ -179,7 +189,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         settings["h"] = Fraction(pair[2])
     elif quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
-    methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
+    listed = None if row else method_in_list(before, after)
+    methods = listed or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or next((named for cell in row if (named := methods_named(cell.text))), set())
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
     methods = methods or (methods_named(by[1]) if by else set())
@@ -188,7 +199,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if name:
         name = f"d{name[:-1]}" if name.endswith("'") else name
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
-    return Place(frozenset(methods), settings, quantity, name, sure and quantity is not None, near & settings.keys())
+    sure &= quantity is not None
+    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(listed))
 
 
 def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:

@@ -14,7 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, names_limit
 from driftproof.texts.claims.known_values import KnownValue
-from driftproof.texts.claims.look_alikes import EFFORT, LIMITS_OF_METHODS, SHARE, LookAlikes, printed
+from driftproof.texts.claims.look_alikes import EFFORT, LIMITS_OF_METHODS, SHARE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -23,14 +23,11 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 _BESIDE = 200
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
-# A step size or a time in a question.
-_SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 _TIME = re.compile(r"\bt=[^\s,:]+")
 _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
-_ANY = re.compile(f"{_SIZE.pattern}|{_METHOD.pattern}")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 
@@ -71,7 +68,9 @@ class Suggestions(LookAlikes):
             results = printed(done, number)
             return {done.question: results[0]} if results and digits > 1 else {}
         if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
-            first = {known.question: spelling for spelling, ones in written.items() for known in ones}
+            shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
+            ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
+            first = {known.question: spelling for spelling, ones in ways for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
             right = any(one.question in self._stated_values for one in alike)
             other_sign, *others = slips(spelled(number))
@@ -100,19 +99,22 @@ class Suggestions(LookAlikes):
         """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
-        found = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
-        runs = [_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question)]
-        sure = self._place_of(number).sure
+        alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
+        runs = [run for one in alike if (run := without_sizes(one)) != one]
+        near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
+        found = near if sure else {}
         if not found and digits > 3:
             part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
-            found = {
-                x: y for x, y in named.items() if {(run := _SIZE.sub("", x)), run.rpartition(part)[0]} & others - {""}
-            }
+            of = {x: without_sizes(x) for x in named if sure or " h=" in x}
+            found = {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * sure} & others - {""}}
         elif digits > 4 and runs and not self.tables.row_of(number):
             # What another method gives may stand far from its name.
-            found = {x: y for x, y in found.items() if _SIZE.sub("", x) in runs}
-        found = (found or self._out_of_step(number, named, digits)) if sure else {}
+            found = {x: y for x, y in found.items() if without_sizes(x) in runs}
+        if self._place_of(number).listed and not found:
+            others = {_METHOD.sub("", one) for one in alike}  # what another one of the list has
+            found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
+        found = found or (self._out_of_step(number, named, digits) if sure else {})
         if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
             found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
@@ -141,12 +143,12 @@ class Suggestions(LookAlikes):
             alike = [x for x in beside if abs(x.start - number.start) < _BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
         held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
-        least = max(2, len(beside) // 2) if column else 1
-        for other in (_SIZE, _ANY) if column else (_READOUT, _METHOD):
-            kinds = Counter(other.sub("", question) for question in held)
-            found = {x: y for x, y in named.items() if kinds[other.sub("", x)] >= least}
+        for other in ("", _METHOD) if column else (_READOUT, _METHOD):
+            kind = {x: re.sub(other, "", without_sizes(x) if column else x) for x in (*held, *named)}
+            kinds, least = Counter(kind[x] for x in held), max(2, len(beside) // 2) if column else 1
+            found = {x: y for x, y in named.items() if kinds[kind[x]] >= least}
             found = {x: y for x, y in found.items() if exact or not x.startswith("exact ")}
-            if other is _METHOD:
+            if other is _METHOD and not column:
                 found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
             if found:
                 return found

@@ -113,3 +113,9 @@ def test_a_setting_is_a_whole_number_above_zero_with_its_own_letter():
     other = ("δh = 0.1", "x.h = 1", "h = 0.0", "h = 0.", "h = 10^6", "h = 10⁶", "h = 2*pi", "h = 1e-3", "h = 1.2.3")
     assert {text: SETTING["h"].findall(text) for text in read} == {text: [number] for text, number in read.items()}
     assert [text for text in other if SETTING["h"].search(text)] == []
+
+
+def test_the_midpoint_of_a_step_and_a_fraction_are_no_methods():
+    assert methods_named("whose slope at the midpoint of the step is 3/8") == set()
+    assert methods_named("the 3/8 rule") == {"rk38"}
+    assert methods_named("explicit midpoint of order 2") == {"midpoint2"}

@@ -61,6 +61,11 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
     assert limit["value"] == "imaginary_limit rk4"
 
 
+def test_a_limit_of_the_step_size_is_found_not_chosen():
+    for said, given in (("h = 1.414", 1), ("It is stable up to h = 1.414", 0), ("RK4 holds out to h = 1.414.", 0)):
+        assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given
+
+
 def test_a_letter_of_an_equation_is_given_and_no_other():
     document = document_of("S' = -βS I - c_1 S, with β = 0.44, c_1 = 0.77 and q = 0.99; S = 0.33.")
     given = [claim["phrase"] for claim in tomllib.loads(draft(document, "a"))["claim"]]

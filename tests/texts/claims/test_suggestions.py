@@ -292,3 +292,27 @@ def test_the_numbers_of_a_table_whose_heads_do_not_say_it_say_that_they_are_erro
     assert [*suggestions.slips(numbers[7]).values()] == ["6.89e-3"]
     two = Suggestions(GROWTH + "| 1 | 1.43e-1 | 1.11e-1 | 1.00e-3 |\n| 0.5 | 1e-1 | 1e-2 | 1e-3 |")
     assert not any(one.strong for x in numbers_in(two.text) if "e" in x.text for one in two.look_alikes(x))
+
+
+LISTED = """x'' = -4x, x(0) = 1, x'(0) = 0. With h = 0.05 the positions at t = 10 of symplectic Euler, velocity Verlet
+and RK4 are {}, {} and {}, respectively."""
+
+
+def test_of_methods_in_a_list_each_has_its_number_and_exchanged_ones_are_slips():
+    first, second, third = "0.35458", "0.40045", "0.40810"
+    for numbers, slips in (((first, second, third), []), ((second, first, third), [first, second])):
+        suggestions = Suggestions(text := LISTED.format(*numbers))
+        listed = [x for x in numbers_in(text) if len(x.text) > 6]
+        assert [slip for x in listed for slip in suggestions.slips(x).values()] == slips
+        assert [any(one.strong for one in suggestions.look_alikes(x)) for x in listed] == [not slips, not slips, True]
+
+
+@pytest.mark.parametrize(("last", "slips"), [("0.06", ["2.948e-3"]), ("0.04, to t = 0.4", [])])
+def test_the_value_of_another_step_size_than_the_last_is_a_slip_also_where_the_time_is_said_elsewhere(last, slips):
+    text = (
+        "y' = -40 y, y(0) = 1. We take h = 0.04 until t = 0.4, then h = {}: after 10 steps (t = 0.6) RK4 has 2.090e-06."
+    )
+    text = text.format(last).replace("(t = 0.6) ", "(t = 0.6) " * bool(slips))
+    suggestions, number = Suggestions(text), numbers_in(text)[-1]
+    assert [*suggestions.slips(number).values()] == slips
+    assert any(one.strong for one in suggestions.look_alikes(number)) is not bool(slips)
