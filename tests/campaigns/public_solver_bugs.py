@@ -157,7 +157,7 @@ REPLAYS = (
     Replay("jax-ml/jax#40510", "an error of NaN ends the run", of_solver,
            adaptive(on_nan="silent"), RIGHT, "without saying so"),
     Replay("headmyshoulder/odeint-v2#173", "a bad right-hand side is tried for ever", of_solver,
-           adaptive(on_nan="retry"), RIGHT, "where f is NaN it does not end"),
+           adaptive(on_nan="retry"), RIGHT, "where f is NaN it has not ended"),
     Replay("headmyshoulder/odeint-v2#228", "the tolerance goes into another argument", of_solver,
            adaptive(tolerances=lambda rtol, atol: (1e-6, 1e-6)), RIGHT, "rtol is ignored"),
     Replay("llnl/sundials#321", "exponents of the controller off by one", of_solver,
