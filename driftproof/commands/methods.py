@@ -71,15 +71,15 @@ def facts_command(options: Namespace) -> str:
 
     exit status: 1 if the order is shown and is not the claimed one, or that of embedded weights, which the first lines
     then say, with the one entry that may be wrong, or if a multistep method is not zero-stable; 2 if the file cannot be
-    read. A claim holds if digits explain what is missed, and one of a splitting if it holds on q'' = F(q).
+    read. A claim holds if digits explain what is missed, and one of a splitting if it holds on q'' = F(q). Of [roots]
+    one that is no radical is { minpoly = [-3, 0, 1], interval = [1, 2] }, the root there of x² - 3.
 
     tableau.toml:
       family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive
       A = [[0, 0], ["2/3", 0]]
       b = ["1/4", "3/4"]                c may be left out; it is then the row sums of A
       claimed_order = 2                 may be left out
-      [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"; or
-                                        s3 = { minpoly = [-3, 0, 1], interval = [1, 2] }, constant term first
+      [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
     from driftproof.reports.fact_sheet import MethodFacts, facts
 
