@@ -221,7 +221,8 @@ class OwnSteps:
         except MethodError as why:
             raise OwnSystem(f"{system}: steps of {key} on it are not known: {why}") from None
         if not far:
-            raise OwnSystem(f"{system}: on it its steps are those of {key}, to {off:.0e}")
+            near = f"{off:.0e}" if off else "the last digit"
+            raise OwnSystem(f"{system}: on it its steps are those of {key}, to {near}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def off(self, wanted: Specification) -> tuple[float, str]:
