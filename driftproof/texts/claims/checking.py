@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import islice, product
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import without_starters
+from driftproof.texts.claims.contradictions import lowered
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import TextTables
@@ -60,18 +60,16 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
     """Check every claim against the text. Raises ValueError if a claim has no value."""
     found = [check_claim(document, claim, claim.spellings()) for claim in claims]
     held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
-    more = [*_untrue(document, found)]
     return [
         check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
-        for one, untrue in zip(found, more, strict=True)
+        for one, untrue in zip(found, _untrue(document, found), strict=True)
     ]
 
 
 def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tuple[Finding, ...]]:
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
     text, tables = document.text.text, TextTables(document.text.text)
-    started = any(" started=" in str(x.question) for one in checked for x in one.claim.values.values())
-    lower = without_starters(text.lower()) if started else text.lower()
+    lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
     for one in checked:
         claim, findings = one.claim, list[Finding]()
         if claim.fact and (untrue := claim.untrue()):

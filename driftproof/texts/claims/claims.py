@@ -26,7 +26,6 @@ _LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
-_KEYS = frozenset((*METHODS, *FACTS_ONLY))
 _FORM = ("places", "digits", "exact", "rounding", "spelled")
 
 
@@ -167,7 +166,9 @@ def _claim(entry: TomlTable, number: int) -> Claim:
             raise ValueError("its phrase contains no number; write {value} in place of one and define value")
         methods = entry.get("method", [])
         methods = methods if isinstance(methods, list) else [methods]
-        if len(methods) not in {0, min(1, len(values)), len(values)} or not _KEYS.issuperset(map(str, methods)):
+        if len(methods) not in {0, min(1, len(values)), len(values)} or not all(
+            str(x) in METHODS or str(x) in FACTS_ONLY for x in methods
+        ):
             raise ValueError(
                 "method is the key of a method that the text names where the value stands, or one for each"
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
 
@@ -186,6 +186,12 @@ def without_starters(text: str) -> str:
         return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
 
     return STARTING.sub(lambda clause: spoken_names().sub(blank, clause[0].replace("-", " ")), text)
+
+
+def lowered(text: str, questions: Iterable[str]) -> str:
+    """The text in lower case, without the methods that start another one if a question says what starts it."""
+    lower = text.lower()
+    return without_starters(lower) if any(" started=" in one for one in questions) else lower
 
 
 def begins_with_method(text: str) -> bool:

@@ -19,7 +19,7 @@ from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.calculations import Calculation, calculations_in
-from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, without_starters
+from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import Place, asked_quantity, fact_in_column, leaves_quantity, place_of
@@ -76,7 +76,7 @@ class LookAlikes:
 
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
-        self.text, self._lower = text, text.lower()
+        self.text = text
         asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
         pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
@@ -99,8 +99,7 @@ class LookAlikes:
         calculations = self.calculated.values()
         self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
         self.stated = stated_questions(text, self.tables.column_of)
-        if any(" started=" in one for one in self.stated):
-            self._lower = without_starters(self._lower)
+        self._lower = lowered(text, self.stated)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
@@ -220,12 +219,8 @@ class LookAlikes:
         """The quantities of which the number has a value that its row and head name, if it has three digits."""
         place = self._named_at(number)
         alike = self._written(form_of(number)).get(spelled(number), ()) if len(digits_of(number.text)) > 2 else ()
-        stated = {known.question: asked_quantity(known.question)[0] for known in alike if known.stated}
-        return {
-            q
-            for known in alike
-            if (q := stated.get(known.question)) and replace(place, quantity=q).means(known.question, known.keys)
-        }
+        stated = {known: asked_quantity(known.question)[0] for known in alike if known.stated}
+        return {q for known, q in stated.items() if replace(place, quantity=q).means(known.question, known.keys)}
 
     @cached_property
     def _sizes(self) -> set[Fraction]:

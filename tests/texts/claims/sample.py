@@ -1,8 +1,9 @@
 """A claim in one line, and a text with claims about it, for several test files."""
 
 import json
+from pathlib import Path
 
-from driftproof.texts.claims.checking import check_claims
+from driftproof.texts.claims.checking import check_claims, coverage
 from driftproof.texts.claims.claims import Claims, parse_claims
 from driftproof.texts.readers.document import document_of
 
@@ -27,3 +28,14 @@ CLAIMS = Claims(
     (claim("error is {value} after 40 steps", "given = true"),),
     parse_claims("[[label]]\nphrase = '{n} min'\nwhy = 'time'").labels,
 )
+ROOT = Path(__file__).parents[3]
+SPRING = ROOT / "examples" / "text" / "spring.md"
+
+
+def held(document, text):
+    """The coverage by drafted claims, all of which hold."""
+    claims = parse_claims(text)
+    outcomes = check_claims(document, claims.claims)
+    findings = [finding for outcome in outcomes for finding in outcome.findings]
+    assert findings == []  # of a text without numbers there is nothing to find
+    return coverage(document, outcomes).counts

@@ -9,23 +9,13 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims import drafting
-from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
+from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.readers.document import document_of, read_document
+from tests.texts.claims.sample import SPRING, held
 
-ROOT = Path(__file__).parents[3]
-SPRING = ROOT / "examples" / "text" / "spring.md"
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
-
-
-def held(document, text):
-    """The coverage by drafted claims, all of which hold."""
-    claims = parse_claims(text)
-    outcomes = check_claims(document, claims.claims)
-    findings = [finding for outcome in outcomes for finding in outcome.findings]
-    assert findings == []  # of a text without numbers there is nothing to find
-    return coverage(document, outcomes).counts
 
 
 def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given():

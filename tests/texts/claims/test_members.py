@@ -5,19 +5,10 @@ import tomllib
 
 import pytest
 
-from driftproof.texts.claims.checking import GIVEN, check_claims, coverage
-from driftproof.texts.claims.claims import parse_claims
+from driftproof.texts.claims.checking import GIVEN
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.readers.document import document_of
-
-
-def held(document, text):
-    """The coverage by drafted claims, all of which hold."""
-    claims = parse_claims(text)
-    outcomes = check_claims(document, claims.claims)
-    findings = [finding for outcome in outcomes for finding in outcome.findings]
-    assert findings == []  # of a text without numbers there is nothing to find
-    return coverage(document, outcomes).counts
+from tests.texts.claims.sample import held
 
 
 def test_numbers_of_an_equation_are_given_and_those_after_it_are_not():

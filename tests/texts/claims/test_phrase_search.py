@@ -8,21 +8,13 @@ from collections import Counter
 import pytest
 
 from driftproof.texts.claims import drafting, members, phrase_search
-from driftproof.texts.claims.checking import UNCOVERED, WORKED_OUT, check_claims, coverage
+from driftproof.texts.claims.checking import UNCOVERED, WORKED_OUT, check_claims
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.readers.document import document_of
+from tests.texts.claims.sample import held
 
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
-
-
-def held(document, text):
-    """The coverage by drafted claims, all of which hold."""
-    claims = parse_claims(text)
-    outcomes = check_claims(document, claims.claims)
-    findings = [finding for outcome in outcomes for finding in outcome.findings]
-    assert findings == []  # of a text without numbers there is nothing to find
-    return coverage(document, outcomes).counts
 
 
 def test_phrase_in_a_program_holds_no_number_that_is_left_out():
