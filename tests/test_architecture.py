@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10471,
     "numeric": 3962,
     "blackbox": 20716,
-    "enclosure": 3649,
+    "enclosure": 3882,
     "texts": 9332,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5853

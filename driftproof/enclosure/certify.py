@@ -13,10 +13,11 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Evaluation, Refused
 from driftproof.enclosure.problem_tables import GivenTable, given_problem
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import linearised, size
@@ -260,7 +261,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
         if len(given) != len(balls):
             raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
         try:
-            rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
+            rates, slopes = linearised(in_balls, Clock(Evaluation(), arb(t)), balls)
         except Refused as refusal:
             if "compares" not in str(refusal):
                 raise

@@ -7,15 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
 
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Enclosed, Evaluation
+from driftproof.enclosure.numbers import Evaluation
 from driftproof.enclosure.steps import linearised
+from driftproof.symbolic.algebra.certified import enclose
 
 # From the third correction on, each has to be at most half of the one before.
 FREE_CORRECTIONS = 2
@@ -90,21 +93,21 @@ class Stages:
 def solved_stages(
     f: RightHandSide,
     method: CollocationMatrices,
-    time: tuple[arb, arb],
+    span: tuple[Fraction, Fraction],
     guess: Sequence[Sequence[arb]],
     accuracy: float,
 ) -> Stages | None:
-    """y(t) and the stages of a step, time = (t, h), by Newton's method: matrices in doubles, residuals in all bits.
+    """y and its stages in the step over the span, by Newton's method: matrices in doubles, residuals in all bits.
 
     None if it does not converge; `accuracy` is relative to each component's size.
     """
-    t, step = time
+    t, step = enclose(span[0]), enclose(span[1] - span[0])
     m, n = len(method.stages), len(guess[0])
     slopes = np.kron(np.array([[float(x) for x in row[1:]] for row in method.slopes.tolist()]), np.eye(n))
     values, before, k = arb_mat([list(row) for row in guess]), 1.0, 0
     while True:
         at_stages = [
-            linearised(f, Enclosed(Evaluation(), t + step * (1 + arb(sigma)) / 2), row, slopes=before > FROZEN)
+            linearised(f, Clock(Evaluation(span=span), t + step * (1 + arb(sigma)) / 2), row, slopes=before > FROZEN)
             for sigma, row in zip(method.stages, values.tolist()[1:], strict=True)
         ]
         residual = method.slopes * values - arb_mat([rates for rates, _ in at_stages]) * (step / 2)

@@ -11,6 +11,7 @@ from typing import Any
 
 from flint import arb, ctx
 
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
@@ -137,7 +138,7 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
     def rates(t: arb, y: Any) -> Any:
         evaluation = Evaluation()
         state = [Enclosed(evaluation, x) for x in y]
-        return array_of(arb(x.value) for x in enclosed_rates(f, Enclosed(evaluation, t), state))
+        return array_of(arb(x.value) for x in enclosed_rates(f, Clock(evaluation, t), state))
 
     if isinstance(method, RungeKutta):
         whole = array_step(method, rates, enclose)
@@ -161,7 +162,7 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
     most = max(1, MOST_LOOKED_AT // max(plan.counts))
     for i in sorted({len(plan.counts) * k // most for k in range(most)}):
         t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
-        rates, slopes = linearised(plan.f, Enclosed(Evaluation(), enclose(t)), y)
+        rates, slopes = linearised(plan.f, Clock(Evaluation(), enclose(t)), y)
         if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
         if n > MOST_LOOKED_AT:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.enclosure.clocks import Clock, interpolated, of_pieces
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.support.plain_text import counted
 
@@ -25,6 +26,7 @@ _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan
 _MATH = {name: name for name in (*_SAME, "hypot", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 _REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
+_TO_INTEGERS = ("floor", "ceil", "trunc")
 # The answers for enclosed numbers: balls that are not finite are refused elsewhere.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
 # Functions that call each other are followed to this depth, which no right-hand side needs.
@@ -110,6 +112,8 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
     if isinstance(value, FunctionType):
         foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
         return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
+    if hasattr(value, "from_spline") and hasattr(value, "extrapolate"):  # a PPoly of SciPy, which is not loaded here
+        return lambda x, *more: of_pieces(value, x, *more) if isinstance(x, Enclosed) else value(x, *more)
     call = vars(type(value)).get("__call__")
     if isinstance(call, FunctionType):
         return MethodType(_rebound(call, known, depth), value)
@@ -160,6 +164,8 @@ class _Math(ModuleType):
             arguments = tuple(_lifted(x, evaluations[0]) for x in arguments)
             if name in _OF_FINITE:
                 return _OF_FINITE[name]
+            if name in _TO_INTEGERS and isinstance(arguments[0], Clock):
+                return plain(*arguments)
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:
@@ -196,6 +202,11 @@ class _Numpy(ModuleType):
         return made
 
     asarray = array
+
+    @staticmethod
+    def interp(x: Any, *points: Any, **options: Any) -> Any:
+        """numpy.interp, which enclosed numbers have at a single number."""
+        return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
 
     @staticmethod
     def zeros(shape: Any, dtype: Any = None, **options: Any) -> Any:

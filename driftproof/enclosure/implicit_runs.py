@@ -13,8 +13,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx
 
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Evaluation, Refused
 from driftproof.enclosure.steps import linearised, size
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
@@ -54,7 +55,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
             for i in stages:
                 moved = [sum((a[i][j] * K[j * n + m] for j in stages), arb(0)) for m in range(n)]
                 at_stage = [x + width * d for x, d in zip(start, moved, strict=True)]
-                rates, rows = linearised(f, Enclosed(Evaluation(), times[i]), at_stage)
+                rates, rows = linearised(f, Clock(Evaluation(), times[i]), at_stage)
                 found += [[K[i * n + m] - rates[m]] for m in range(n)]
                 for j in stages:
                     for m in range(n):
@@ -77,7 +78,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
 
 def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> list[arb]:
     """A point near a solution. Raises ZeroDivisionError if a matrix is singular, or if there is no convergence."""
-    rates, _ = linearised(f, Enclosed(Evaluation(), t), y, slopes=False)
+    rates, _ = linearised(f, Clock(Evaluation(), t), y, slopes=False)
     K = [x.mid() for x in rates] * stages
     for _ in range(_MOST_ITERATIONS):
         value, slopes = equations(K, y)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import wraps
 from numbers import Rational
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, cast
 
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq
@@ -44,7 +44,7 @@ class Refused(ArithmeticError):
 
 
 # What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
-_ZERO_BY_ZERO, _COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
+_ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
 
 
 def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
@@ -54,10 +54,10 @@ def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
         remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, a function for certify may use 1/exprel(-x) "
         remedy += "of scipy.special, which problems to compare methods on may not"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
-    if reason.startswith(_COMPARES):
+    if reason.startswith(COMPARES):
         said = "f has a kink or a jump there, as abs, clip, max or an if has"
         remedy = "cut there and take the pieces one by one; the step across, and the error before it, are then left out"
-        return Refused(f"{_COMPARES} that are equal {near}: {said}; {remedy}")
+        return Refused(f"{COMPARES} that are equal {near}: {said}; {remedy}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
 
@@ -76,11 +76,14 @@ class Evaluation:
 
     `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
     tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
+    `span` holds the first and last time of a step, the last None for times just after the first, for comparisons of the
+    time (see `clocks`); it is None at a single time.
     """
 
     decided: Sequence[bool] | None = None
     taken: list[bool] = field(default_factory=list)
     doubles: set[float] = field(default_factory=set)
+    span: tuple[Fraction, Fraction | None] | None = None
 
     def decide(self, difference: Value) -> bool:
         """True if the difference is positive. Raises Refused if its ball contains zero."""
@@ -93,7 +96,7 @@ class Evaluation:
         elif difference < 0:
             answer = False
         else:
-            raise Refused(f"{_COMPARES} whose enclosures overlap")
+            raise Refused(f"{COMPARES} whose enclosures overlap")
         self.taken.append(answer)
         return answer
 
@@ -239,17 +242,17 @@ class Enclosed:
 
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
-        said = "f converts a number to a float"
-        raise Refused(f"{said}; use functions of NumPy or math, not float() or numpy.interp; make arrays in f")
+        said = "f converts a number to a float; use functions of NumPy or math, not float(); make arrays in f"
+        raise Refused(f"{said}, and call splines of SciPy by a name, not as self.spline")
 
-    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
+    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = cast(Any, __float__)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
-        if ufunc.__name__ == "exprel":  # SciPy's, which has no loop over objects
-            return inputs[0].exprel()
+        if ufunc.__name__ in ("exprel", "heaviside"):  # which have no loop over objects
+            return getattr(inputs[0], ufunc.__name__)(*inputs[1:])
         result = ufunc(*(_boxed(x) for x in inputs))
         return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
 
@@ -268,6 +271,10 @@ class Enclosed:
     def exprel(self) -> Enclosed:
         """(exp x - 1)/x, 1 at 0."""
         return self._with_chain_rule(_exprel(self.value), (self, lambda: _exprel(self.value, slope=True)))
+
+    def heaviside(self, at_zero: Any) -> Any:
+        """0 below 0, 1 above, `at_zero` at 0."""
+        return 1 if self > 0 else 0 if self < 0 else at_zero
 
     @_lifts_other
     def hypot(self, o: Enclosed) -> Any:

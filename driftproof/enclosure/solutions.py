@@ -15,9 +15,10 @@ from operator import add
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.fields import RightHandSide, enclosable
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff, not_smooth
+from driftproof.enclosure.numbers import Evaluation, Refused, Stiff, not_smooth
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
     EnclosedStep,
@@ -117,7 +118,7 @@ class _Path:
         self.basis = arb_mat(n, n, 1)
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | None = None
-        self.lengths: list[Fraction] = []
+        self.lengths, self.longest = list[Fraction](), LONGEST_STEP
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         if t == self.first:
@@ -141,18 +142,20 @@ class _Path:
         except Refused as refusal:
             raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
         if self.step is not None:
-            longest, weights = LONGER * self.step.h, self.step.next_weights
+            weights = self.step.next_weights
         else:
-            time = Enclosed(Evaluation(), enclose(self.t))
+            time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
-            longest, weights = LONGEST_STEP, balanced(jacobian, [arb(1)] * len(error))
-        self.step = Expansion(self.f, self.t, self.point, self.length, decided, weights).step(longest, error)
-        self._refuse_what_does_not_end(self.step)
+            weights = balanced(jacobian, [arb(1)] * len(error))
+        expansion = Expansion(self.f, self.t, self.point, self.length, decided, weights)
+        self.step = expansion.step(self.longest, error)
+        self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
+        self._refuse_what_does_not_end(self.step, expansion.cut)
 
-    def _refuse_what_does_not_end(self, step: EnclosedStep) -> None:
+    def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool) -> None:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
-        if step.h < SHORTEST_PART * gone:
+        if step.h < SHORTEST_PART * gone and not cut:
             obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
             raise not_smooth(self.t + 8 * step.h, obstacle)
         self.lengths.append(step.h)

@@ -20,6 +20,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
 
+from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
@@ -109,9 +110,9 @@ def with_effort(part: float) -> Iterator[None]:
 
 
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
-    """The outcomes of f's comparisons at a point; the doubles that f reads are added to `seen`."""
-    evaluation = Evaluation(doubles=seen)
-    rates = enclosed_rates(f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+    """The outcomes of f's comparisons at a point, just after t; the doubles that f reads are added to `seen`."""
+    evaluation = Evaluation(doubles=seen, span=(t, None))
+    rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
     if not all(rate.value.is_finite() for rate in rates):
         raise Refused(f"f is not finite at t = {float(t):.6g}")
     return evaluation.taken
@@ -119,11 +120,11 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
 
 def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> str:
     """What f refuses on a box that the solution needs the time 16 h to leave, or "": a guess for a message."""
-    evaluation, far = Evaluation(), enclose(16 * h)
+    evaluation, far = Evaluation(span=(t, None)), enclose(16 * h)
     try:
-        rates = enclosed_rates(f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+        rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
         box = [Enclosed(evaluation, x + rate.value * far * arb(0, 1)) for x, rate in zip(y, rates, strict=True)]
-        enclosed_rates(f, Enclosed(evaluation, enclose(t) + far * arb(0, 1)), box)
+        enclosed_rates(f, Clock(evaluation, enclose(t) + far * arb(0, 1)), box)
     except Refused as refusal:
         return str(refusal)
     return ""
@@ -136,7 +137,7 @@ class Expansion:
         self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool], weights: Weights
     ) -> None:
         """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are."""
-        self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
+        self.f, self.t, self.length, self.decided, self.weights, self.cut = f, t, length, decided, weights, False
         self.rows, slopes, known, most = [[x] for x in y], list[arb_mat](), 1, _slopes_that_pay(len(y), length)
         while known < length:
             slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
@@ -144,14 +145,19 @@ class Expansion:
     def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
         """A step of at most the length `longest`, valid for every start that differs from the point by the errors.
 
-        Raises Refused if no disc on which f is analytic is found, or no tube.
+        `cut` says afterwards whether it ends where a comparison of the time changes. Raises Refused if no disc on which
+        f is analytic is found, or no tube.
         """
-        h, spread = min(longest, self._first_length()), self._size(errors)
+        h, spread, cut = min(longest, self._first_length()), self._size(errors), None
         reason = "f or the solution has a pole ahead, or f is not smooth there"
         for _ in range(MOST_SHORTENINGS):
             try:
                 if (made := self._attempt(h, spread)) is not None:
+                    self.cut = h == cut
                     return made
+            except TimeCut as found:
+                h = cut = found.at - self.t
+                continue
             except Refused as refusal:
                 reason = str(refusal)
             h *= SHORTER
@@ -180,14 +186,14 @@ class Expansion:
         for _ in range(1, self.length):
             powers.append(powers[-1] * step)
         polynomials = [arb_poly([(c * x).mid() for c, x in zip(row, powers, strict=True)]) for row in self.rows]
-        defect = self._defect(step, polynomials)
+        defect = self._defect(h, polynomials)
         if not step * defect < self._tolerance():
             return None
         error = arb((spread + step * defect).upper())
         multiple = arb(FIRST_TUBE)
         while multiple < WIDEST_TUBE:
             radius = arb((multiple * error + arb(2) ** -ctx.prec).upper())
-            jacobian = self._jacobian(step, polynomials, radius)
+            jacobian = self._jacobian(h, polynomials, radius)
             ranges = [[x.range() for x in row] for row in jacobian]
             tube = Tube(radius, _logarithmic_norm(ranges))
             if tube.growth(step) * error < radius:
@@ -220,34 +226,34 @@ class Expansion:
     def _on_series(self, length: int, *, slopes: bool) -> tuple[list[Any], list[list[Any]]]:
         cap, ctx.cap = ctx.cap, length
         try:
-            evaluation = Evaluation(self.decided)
-            time, *state = (series(evaluation, row, length) for row in ([enclose(self.t), arb(1)], *self.rows))
-            return linearised(self.f, time, [x.value for x in state], slopes=slopes)
+            evaluation = Evaluation(self.decided, span=(self.t, None))
+            time, *state = (series(evaluation, row, length).value for row in ([enclose(self.t), arb(1)], *self.rows))
+            return linearised(self.f, Clock(evaluation, time), state, slopes=slopes)
         finally:
             ctx.cap = cap
 
-    def _time(self, evaluation: Evaluation, step: arb, length: int) -> Enclosed:
-        return Enclosed(evaluation, TaylorModel([enclose(self.t), step], length))
+    def _time(self, h: Fraction, length: int) -> Clock:
+        return Clock(Evaluation(span=(self.t, self.t + h)), TaylorModel([enclose(self.t), enclose(h)], length))
 
-    def _defect(self, step: arb, polynomials: Sequence[arb_poly]) -> arb:
+    def _defect(self, h: Fraction, polynomials: Sequence[arb_poly]) -> arb:
         """An upper bound of |f(t + s, p(s)) - p'(s)| for 0 <= s <= h."""
-        evaluation, length = Evaluation(), self.length
-        state = [Enclosed(evaluation, TaylorModel(p, length)) for p in polynomials]
-        rates = enclosed_rates(self.f, self._time(evaluation, step, length), state)
-        slopes = [TaylorModel(p.derivative() * (1 / step), length) for p in polynomials]
+        time, length = self._time(h, self.length), self.length
+        state = [Enclosed(time.evaluation, TaylorModel(p, length)) for p in polynomials]
+        rates = enclosed_rates(self.f, time, state)
+        slopes = [TaylorModel(p.derivative() * (1 / enclose(h)), length) for p in polynomials]
         return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))
 
-    def _jacobian(self, step: arb, polynomials: Sequence[arb_poly], radius: arb) -> list[list[TaylorModel]]:
+    def _jacobian(self, h: Fraction, polynomials: Sequence[arb_poly], radius: arb) -> list[list[TaylorModel]]:
         """∂f/∂y along p + b for every constant b in the tube, in units of the weights; b may be the error at any time.
 
         f decides its comparisons here on the whole tube, and so as it did on p, which is part of it.
         """
-        evaluation, length = Evaluation(), VARIATIONAL_LENGTH
+        length = VARIATIONAL_LENGTH
         box = [
             TaylorModel(p, length) + arb(0, (radius * d).upper())
             for p, d in zip(polynomials, self.weights, strict=True)
         ]
-        _, rows = linearised(self.f, self._time(evaluation, step, length), box)
+        _, rows = linearised(self.f, self._time(h, length), box)
         return self._scaled(
             [[x if isinstance(x, TaylorModel) else TaylorModel([x], length) for x in row] for row in rows], 1
         )

@@ -17,6 +17,7 @@ from math import inf
 
 from flint import arb, arb_mat, arb_poly, ctx
 
+from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
@@ -85,6 +86,8 @@ class StiffPath:
         )
         self.first, self.start, self.largest = first, tuple(start), [0.0] * self.n
         self.h = (last - first) / 1024 if step is None else step
+        # The next step's span, its latest end, and whether f changed where it begins.
+        self.span, self.end, self.jumped = (first, last), last, False
         self.step: StiffStep | None = None
         self.needed = arb_mat(self.n, 1)
         self.doubles: set[float] = set()
@@ -104,16 +107,22 @@ class StiffPath:
             raise Refused(f"{self.most} implicit steps, the limit, reach only t = {float(self.t):.9g}")
         reason = "earlier errors grow too fast"
         for _ in range(MOST_TRIES):
-            h = min(_short(self.h), self.last - self.t)
+            h = min(_short(self.h), self.end - self.t)
             try:
                 added = self._attempt(h)
+            except TimeCut as cut:
+                self.end = cut.at
+                continue
             except Refused as refusal:
                 added, reason = inf, str(refusal)
             ratio = max(added / self.tolerance, 1e-30) ** (-1 / (1 + len(self.method.stages))) if added < inf else 0.0
-            self.h = h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
+            wanted, self.h = self.h, h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
             if added <= self.tolerance and self.step is not None:
                 self.t = self.step.t + self.step.h
-                if h < SHORTEST_STIFF_PART * (self.t - self.first) and self.t < self.last:
+                self.jumped = self.t == self.end
+                if self.jumped:
+                    self.h, self.end = max(self.h, wanted), self.last
+                elif h < SHORTEST_STIFF_PART * (self.t - self.first):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
@@ -121,8 +130,8 @@ class StiffPath:
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""
         step, basis, widths = enclose(h), self.set.basis, self.set.widths
-        time, accuracy = (enclose(self.t), step), self.tolerance * 2.0**-10
-        stages = solved_stages(self.f, self.method, time, self._guess(step), accuracy)
+        self.span, accuracy = (self.t, self.t + h), self.tolerance * 2.0**-10
+        stages = solved_stages(self.f, self.method, self.span, self._guess(step), accuracy)
         if stages is None:
             raise Refused("Newton's iteration does not converge")
         polynomials, sizes = stages.polynomials(), self._sizes(stages)
@@ -192,7 +201,7 @@ class StiffPath:
     def _guess(self, step: arb) -> list[list[arb]]:
         """The values that the polynomial of the step before, without its last quarter, extrapolates to."""
         now = [x.mid() for x in self.set.point]
-        if self.step is None:
+        if self.step is None or self.jumped:
             return [now] * (1 + len(self.method.stages))
         ratio = step / enclose(self.step.h)
         few = [p.truncate(3 * len(self.method.stages) // 4) for p in self.step.polynomials]
@@ -210,12 +219,12 @@ class StiffPath:
     def _coordinates(
         self, step: arb, polynomials: Sequence[arb_poly], sizes: Sequence[float], sigma: int
     ) -> Coordinates:
-        time = Enclosed(Evaluation(), enclose(self.t) + step * (1 + sigma) / 2)
+        time = Clock(Evaluation(span=self.span), enclose(self.t) + step * (1 + sigma) / 2)
         return nearly_diagonal(linearised(self.f, time, [arb(p(sigma)) for p in polynomials])[1], step, sizes)
 
-    def _time(self, step: arb) -> Enclosed:
+    def _time(self, step: arb) -> Clock:
         time = TaylorModel([enclose(self.t) + step / 2, step / 2], self.length)
-        return Enclosed(Evaluation(doubles=self.doubles), time)
+        return Clock(Evaluation(doubles=self.doubles, span=self.span), time)
 
     def _defect(self, step: arb, polynomials: Sequence[arb_poly], T: arb_mat) -> arb_mat:
         """Upper bounds of |T (f(t, v) - v')| on the step."""

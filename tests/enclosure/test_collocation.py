@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
@@ -15,7 +17,7 @@ M, BITS = 9, 96
 def stages_of(f, start, step, m=M):
     with ctx.workprec(BITS):
         method, first = collocation(m, BITS, 2 * m + 2), [arb(x) for x in start]
-        return solved_stages(enclosable(f), method, (arb(0), arb(step)), [first] * (m + 1), 1e-22)
+        return solved_stages(enclosable(f), method, (Fraction(0), Fraction(step)), [first] * (m + 1), 1e-22)
 
 
 def test_matrices_differentiate_and_interpolate_polynomials():

@@ -165,8 +165,8 @@ def into_a_buffer(t, y):
     [
         (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
         (lambda t, y: [y[0] % 1, 0], "f fails on enclosed numbers: TypeError: unsupported operand type(s) for %"),
-        (lambda t, y: [np.heaviside(y[0], 1), 0], "f uses heaviside, which has no enclosure"),
-        (lambda t, y: [round(y[0], 3), 0], "to a float; use functions of NumPy or math, not float() or numpy.interp"),
+        (lambda t, y: [np.copysign(y[0], 1), 0], "f uses copysign, which has no enclosure"),
+        (lambda t, y: [round(y[0], 3), 0], "to a float; use functions of NumPy or math, not float"),
         (lambda t, y: [1j * y[0], 0], "f uses a complex as a number"),
         (lambda t, y: [float("nan") * y[0], 0], "f uses the constant nan"),
         (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),

@@ -116,7 +116,7 @@ CHECKS = (
 GROWTH = "return (self.norm * s).exp()"
 DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
 FLOW = "error = (defect * tube.growth(step)).upper()"
-BRANCH = ("evaluation, length = Evaluation(), VARIATIONAL_LENGTH", "evaluation, length = Evaluation(self.decided), 12")
+BRANCH = ("Evaluation(span=(self.t, self.t + h))", "Evaluation(self.decided, span=(self.t, self.t + h))")
 WRONG = {
     "a radius halved": (dense_holds_neighbours, (GROWTH, "return (self.norm * s).exp() / 2")),
     "Gronwall's constant too small": (dense_holds_neighbours, (GROWTH, "return (self.norm * s / 2).exp()")),

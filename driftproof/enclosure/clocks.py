@@ -1,0 +1,191 @@
+"""The time that a right-hand side is given: comparisons of it, its floor and its remainder are decided exactly.
+
+A jump at a known time, such as the end of a dose or a knot of measured data, is no obstacle. A step takes f as it is
+just after its beginning, and continues that analytically; it ends where a comparison of the time changes.
+"""
+
+from __future__ import annotations
+
+import operator
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from math import ceil, floor
+from numbers import Rational
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, Value
+from driftproof.methods.number_field import dyadic
+
+# Offset and rate.
+_Line: TypeAlias = tuple[Fraction, Fraction]
+
+
+class TimeCut(Refused):
+    """The span of a step contains the time `at`, where a comparison of the time changes; the step has to end there."""
+
+    def __init__(self, at: Fraction) -> None:
+        """Keep the time."""
+        super().__init__(f"f compares the time with {float(at):.9g}")
+        self.at = at
+
+
+def _by_sign(name: str) -> Callable[[Clock, object], Any]:
+    """The comparison of a clock: by the sign of the difference where that is a clock, else as of any number."""
+    compare, of_any_number = getattr(operator, name), getattr(Enclosed, f"__{name}__")
+
+    def compared(self: Clock, other: object) -> Any:
+        return of_any_number(self, other) if _line(other) is None else compare((self - other).sign(), 0)
+
+    return compared
+
+
+class Clock(Enclosed):
+    """offset + rate t, t the time: what f makes of the time by adding constants, and multiplying by them."""
+
+    __slots__ = ("offset", "rate")
+
+    def __init__(self, evaluation: Evaluation, value: Value, line: _Line | None = None) -> None:
+        """Take value, offset and rate; by default those of the time itself, which is a constant where it is exact."""
+        super().__init__(evaluation, value)
+        if line is None:
+            known = evaluation.span is None and value.is_exact()
+            line = (dyadic(value), Fraction(0)) if known else (Fraction(0), Fraction(1))
+        self.offset, self.rate = line
+
+    def sign(self) -> int:
+        """-1, 0 or 1, on the whole span but for its ends. Raises TimeCut if it changes there."""
+        if not self.rate:
+            return int(self.offset > 0) - int(self.offset < 0)
+        if self.evaluation.span is not None:
+            rising = 1 if self.rate > 0 else -1
+            return -rising if _is_ahead(-self.offset / self.rate, self.evaluation.span) else rising
+        if not (self.value > 0 or self.value < 0):
+            raise Refused(f"{COMPARES} whose enclosures overlap")
+        return 1 if self.value > 0 else -1
+
+    def __floor__(self) -> int:
+        """The integer k with k <= self < k + 1, on the whole span but for its ends. Raises TimeCut if it changes."""
+        if not self.rate:
+            return floor(self.offset)
+        if (span := self.evaluation.span) is None:
+            if (unique := self.value.floor().unique_fmpz()) is None:
+                raise Refused(f"f takes the floor of a number near {float(self.value.mid()):.9g}")
+            return int(unique)
+        first = self.offset + self.rate * span[0]
+        k = floor(first) if self.rate > 0 else ceil(first) - 1
+        # Raises where the next integer is reached in the span.
+        _is_ahead((k + (self.rate > 0) - self.offset) / self.rate, span)
+        return k
+
+    def __ceil__(self) -> int:
+        return -floor(-self)
+
+    def __trunc__(self) -> int:
+        return floor(self) if self > 0 else ceil(self)
+
+    __int__ = __trunc__
+
+    def __floordiv__(self, other: object) -> Any:
+        return NotImplemented if (of := _constant(other)) is None else floor(self / of)
+
+    def __mod__(self, other: object) -> Any:
+        """The remainder, by Python's rule: it has the sign of the divisor."""
+        return NotImplemented if (of := _constant(other)) is None else self - floor(self / of) * of
+
+    def __add__(self, other: object) -> Any:
+        return self._line_of(operator.add, super().__add__(other), _line(other))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Clock:
+        return Clock(self.evaluation, -self.value, (-self.offset, -self.rate))
+
+    def __sub__(self, other: object) -> Any:
+        return self._line_of(operator.sub, super().__sub__(other), _line(other))
+
+    def __rsub__(self, other: object) -> Any:
+        return -self + other
+
+    def __mul__(self, other: object) -> Any:
+        return self._line_of(operator.mul, super().__mul__(other), _factors(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Any:
+        return self._line_of(operator.truediv, super().__truediv__(other), _factors(other))
+
+    def _line_of(self, operation: Callable[[Fraction, Fraction], Fraction], made: Any, other: _Line | None) -> Any:
+        """The number `made` as a clock, with the operation on offsets and on rates; as it is if there is no other."""
+        if other is None:
+            return made
+        line = operation(self.offset, other[0]), operation(self.rate, other[1])
+        return Clock(self.evaluation, made.value, line)
+
+    __gt__, __ge__, __lt__, __le__, __eq__ = map(_by_sign, ("gt", "ge", "lt", "le", "eq"))
+
+
+def _line(x: object) -> _Line | None:
+    """Offset and rate of a clock or of a constant; None for any other number."""
+    if isinstance(x, Clock):
+        return x.offset, x.rate
+    return None if (constant := _constant(x)) is None else (constant, Fraction(0))
+
+
+def _factors(x: object) -> _Line | None:
+    """What multiplies offset and rate, if x is a constant."""
+    return None if (constant := _constant(x)) is None else (constant, constant)
+
+
+def _constant(x: object) -> Fraction | None:
+    if isinstance(x, np.generic):
+        x = x.item()
+    if isinstance(x, Rational) or (isinstance(x, float) and np.isfinite(x)):
+        return Fraction(x)
+    return None
+
+
+def _is_ahead(crossing: Fraction, span: tuple[Fraction, Fraction | None]) -> bool:
+    """True if the crossing comes after the span, False if before. Raises TimeCut if it is in it."""
+    first, last = span
+    if crossing > first and last is not None and crossing < last:
+        raise TimeCut(crossing)
+    return crossing > first
+
+
+def interpolated(
+    x: Enclosed, xp: Sequence[float], fp: Sequence[float], left: float | None = None, right: float | None = None
+) -> Any:
+    """numpy.interp at a number: the line through the two points around x, `left` and `right` beyond the first and last.
+
+    The slope is exact, where NumPy rounds it.
+    """
+    knots, values = _exact(xp), _exact(fp)
+    i = bisect_right(knots, x)
+    if i == 0:
+        return values[0] if left is None else left
+    if i == len(knots):
+        return values[-1] if right is None or knots[-1] == x else right
+    return values[i - 1] + (x - knots[i - 1]) * (values[i] - values[i - 1]) / (knots[i] - knots[i - 1])
+
+
+def of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
+    """A spline of SciPy, a `PPoly`, at a number: the polynomial of the piece that x is in, with its coefficients."""
+    pieces = spline.derivative(derivative) if derivative else spline
+    knots = _exact(pieces.x)
+    if pieces.extrapolate == "periodic":
+        x = knots[0] + (x - knots[0]) % (knots[-1] - knots[0])
+    elif not pieces.extrapolate and (x < knots[0] or x > knots[-1]):
+        raise Refused("f takes a spline beyond its ends")
+    i = min(max(bisect_right(knots, x) - 1, 0), len(knots) - 2)
+    total, from_knot = 0, x - knots[i]
+    for row in pieces.c[:, i]:
+        total = total * from_knot + _exact(row)
+    return total
+
+
+def _exact(doubles: Any) -> Any:
+    """The doubles as Fractions, which are data and not constants of f."""
+    return np.vectorize(Fraction, otypes=[object])(np.asarray(doubles, dtype=float))[()]

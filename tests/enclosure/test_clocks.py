@@ -1,0 +1,275 @@
+"""Jumps and kinks at known times: steps end there, and what lies between is as exact as without them."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from driftproof import certify
+from driftproof.enclosure import solutions, stiff
+from driftproof.enclosure.clocks import Clock, TimeCut
+from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.numbers import Evaluation, Refused
+from driftproof.enclosure.solutions import enclose_solution
+from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.mutants import mutant
+
+END = Fraction(5)
+KNOTS, DATA = [0.5, 1.0, 2.25, 4.0], [1.0, -0.75, 2.0, 0.3]
+CUBIC, PCHIP = CubicSpline(KNOTS, DATA), PchipInterpolator(KNOTS, DATA)
+PERIODIC = CubicSpline(KNOTS, [1.0, -0.75, 2.0, 1.0], bc_type="periodic")
+
+# y' = f(t); the times where f or a derivative jumps; f(t) between two of them, in Fractions.
+JUMPS = {
+    "if": (lambda t: 1.0 if t < 2 else 3.0, [2], lambda t: 1 if t < 2 else 3),
+    "reversed": (lambda t: 1.0 if 2.5 >= t else t, [Fraction(5, 2)], lambda t: 1 if t < 2.5 else t),
+    "scaled": (lambda t: 1.0 if 3 * t - 1 > 2 + t / 2 else 0.0, [Fraction(6, 5)], lambda t: int(5 * t > 6)),
+    "falling": (lambda t: -t if -t > -2.0 else t, [2], lambda t: -t if t < 2 else t),
+    "dose": (lambda t: 5.0 if 1 <= t < 1.25 else 0.0, [1, Fraction(5, 4)], lambda t: 5 * int(1 <= t < 1.25)),
+    "where": (lambda t: np.where(t > 2.5, t * t, 1.0), [Fraction(5, 2)], lambda t: t * t if t > 2.5 else 1),
+    "sign": (lambda t: np.sign(t - 2), [2], lambda t: 1 if t > 2 else -1),
+    "heaviside": (lambda t: np.heaviside(t - 2, 0.5), [2], lambda t: int(t > 2)),
+    "abs": (lambda t: abs(t - 2), [2], lambda t: abs(t - 2)),
+    "max": (lambda t: max(0.0, 2 - t), [2], lambda t: max(0, 2 - t)),
+    "np.maximum": (lambda t: np.maximum(0.0, 2 - t), [2], lambda t: max(0, 2 - t)),
+    "remainder": (lambda t: t % 1.5, [Fraction(3, 2), 3, Fraction(9, 2)], lambda t: t % Fraction(3, 2)),
+    "falling remainder": (lambda t: np.mod(1 - t, 2), [1, 3], lambda t: (1 - t) % 2),
+    "pulses": (lambda t: 1.0 if t % 2 < 0.5 else 0.0, [Fraction(k, 2) for k in (1, 4, 5, 8, 9)], lambda t: t % 2 < 0.5),
+    "whole periods": (lambda t: t // 2, [2, 4], lambda t: t // 2),
+    "int": (lambda t: [3, 1, 4, 1, 5][int(t)], [1, 2, 3, 4], lambda t: [3, 1, 4, 1, 5][int(t)]),
+    "int of both signs": (lambda t: int(t - 2), [1, 2, 3, 4], lambda t: int(t - 2)),
+    "math.floor": (lambda t: math.floor(t) * t, [1, 2, 3, 4], lambda t: math.floor(t) * t),
+    "np.ceil": (lambda t: np.ceil(t), [1, 2, 3, 4], math.ceil),
+}
+
+
+def integral(f, cuts):
+    """The integral of a piecewise cubic from 0 to the end, by Simpson's rule, which is exact for it."""
+    total = Fraction(0)
+    for a, b in pairwise([Fraction(0), *map(Fraction, cuts), END]):
+        near, middle = (b - a) * Fraction(1, 10**30), (a + b) / 2
+        total += (b - a) * (4 * f(middle) + f(a + near) + f(b - near)) / 6
+    return total
+
+
+def off(found, exact):
+    """How far the last value is from a Fraction."""
+    with ctx.workprec(160):
+        return abs(found.states[-1][0] - enclose(exact))
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_integral_of_what_jumps_is_enclosed(name):
+    f, cuts, exact = JUMPS[name]
+    found = enclose_solution(lambda t, y: [f(t) + 0 * y[0]], [Fraction(0)], [Fraction(0), END])
+    assert found.radius < 1e-30
+    # The ends of the pieces are taken 1e-30 of their lengths inside, where slopes are below 10.
+    assert off(found, integral(exact, cuts)) < 1e-28
+
+
+def lines(t):
+    """What numpy.interp gives, from the points themselves."""
+    for (a, b), (u, v) in zip(pairwise(map(Fraction, KNOTS)), pairwise(map(Fraction, DATA)), strict=True):
+        if a <= t <= b:
+            return u + (v - u) * (t - a) / (b - a)
+    return Fraction(DATA[0] if t < KNOTS[0] else DATA[-1])
+
+
+def polynomial(spline, t):
+    inside = min(max(sum(t >= Fraction(x) for x in KNOTS) - 1, 0), len(KNOTS) - 2)
+    powers = [(t - Fraction(KNOTS[inside])) ** k for k in (3, 2, 1, 0)]
+    return sum(Fraction(float(c)) * x for c, x in zip(spline.c[:, inside], powers, strict=True))
+
+
+def folded(t):
+    return Fraction(1, 2) + (t - Fraction(1, 2)) % Fraction(7, 2)
+
+
+DATA_OF = {
+    "interp": (lambda t: np.interp(t, KNOTS, DATA), KNOTS, lines),
+    "interp with ends": (
+        lambda t: np.interp(t, KNOTS, DATA, left=7.0, right=2.0),
+        KNOTS,
+        lambda t: 7 if t < KNOTS[0] else 2 if t > KNOTS[-1] else lines(t),
+    ),
+    "cubic": (lambda t: CUBIC(t), KNOTS, lambda t: polynomial(CUBIC, t)),
+    "pchip": (lambda t: PCHIP(t), KNOTS, lambda t: polynomial(PCHIP, t)),
+    "periodic": (lambda t: PERIODIC(t), [*KNOTS, 4.5], lambda t: polynomial(PERIODIC, folded(t))),
+}
+
+
+@pytest.mark.parametrize("name", DATA_OF)
+def test_integral_of_measured_data_is_enclosed(name):
+    f, cuts, exact = DATA_OF[name]
+    found = enclose_solution(lambda t, y: [f(t)], [Fraction(0)], [Fraction(0), END])
+    assert off(found, integral(exact, cuts)) < 1e-28
+    assert found.doubles == ()
+
+
+def test_derivative_of_a_spline_is_that_of_its_pieces():
+    found = enclose_solution(lambda t, y: [CUBIC(t, 1)], [Fraction(0)], [Fraction(1), Fraction(4)])
+    whole = polynomial(CUBIC, Fraction(4)) - polynomial(CUBIC, Fraction(1))
+    assert off(found, whole) < 1e-15  # its coefficients are rounded
+
+
+def switched(t, y):
+    return [-y[0] + (1.0 if t < 2 else 0.0)]
+
+
+def of_switched():
+    """y(5), from 0: it tends to 1 until t = 2, and then to 0."""
+    return (1 - arb(-2).exp()) * arb(-3).exp()
+
+
+def test_solution_with_a_jump_is_enclosed_and_steps_are_as_long_as_without():
+    found = enclose_solution(switched, [Fraction(0)], [Fraction(0), END])
+    with ctx.workprec(160):
+        assert found.states[-1][0].contains(of_switched())
+    assert found.states[-1][0].rad() < 1e-36
+    assert found.steps <= enclose_solution(lambda t, y: -y, [Fraction(1)], [Fraction(0), END]).steps + 2
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("steps do not end at the jump", ("crossing < last:", "crossing < first:")),
+        ("the piece before for the one after", ("return crossing > first", "return crossing >= first")),
+        ("the remainder of another period", ("self - floor(self / of) * of", "self - (floor(self / of) + 1) * of")),
+        ("a line that forgets its rate", ("operation(self.rate, other[1])", "self.rate")),
+    ],
+)
+def test_wrong_decisions_exclude_the_solution(name, wrong, monkeypatch):
+    clocks = mutant("clocks", wrong)
+    for module in ("steps", "solutions"):
+        monkeypatch.setattr(f"driftproof.enclosure.{module}.Clock", clocks.Clock)
+    monkeypatch.setattr("driftproof.enclosure.steps.TimeCut", clocks.TimeCut)
+    f = lambda t, y: [-y[0] + (1.0 if (t % 4) * 2 < 4 else 0.0) * (t < 3)]
+    try:
+        found = enclose_solution(f, [Fraction(0)], [Fraction(0), Fraction(2), END])
+    except Refused:
+        return
+    with ctx.workprec(160):
+        assert not found.states[-1][0].contains(of_switched())
+
+
+def test_stiff_solution_with_jumps_is_enclosed():
+    """y' = -k (y - s): 1e-5 after each jump of s by 1, exp(-k 1e-5) of the jump is left."""
+    k, after = 10**6, Fraction(1, 10**6)
+    f = lambda t, y: [-1e6 * (y[0] - (1 if t < 2 else 2 if t % 2 < 1 else 3))]
+    times = [Fraction(0), Fraction(2) + after, Fraction(3) + after, END]
+    found = enclose_solution(f, [Fraction(1)], times)
+    assert found.steps < 300
+    with ctx.workprec(160):
+        left = (-k * enclose(after)).exp()
+        for state, true in zip(found.states[1:], (2 - left, 3 - left, arb(2)), strict=True):
+            assert abs(state[0] - true) < 1e-18
+
+
+def test_stiff_steps_that_do_not_end_at_jumps_are_noticed(monkeypatch):
+    wrong = mutant("clocks", ("crossing < last:", "crossing < first:"))
+    for module in ("stiff", "collocation"):
+        monkeypatch.setattr(f"driftproof.enclosure.{module}.Clock", wrong.Clock)
+    f = enclosable(lambda t, y: [-1e6 * (y[0] - (1 if t < 2 else 2))])
+    with ctx.workprec(128):
+        path = lambda: stiff.StiffPath(f, [arb(1)], Fraction(1), Fraction(3))
+        assert not abs(path().states_at(Fraction(3))[0] - 2) < 1e-18
+        monkeypatch.undo()
+        assert abs(path().states_at(Fraction(3))[0] - 2) < 1e-18
+
+
+def at(t, *, span=None):
+    return Clock(Evaluation(span=span), arb(t))
+
+
+def test_at_a_single_time_comparisons_are_those_of_the_numbers():
+    two = at(2)
+    assert (two < 2, two <= 2, two > 2, two >= 2, two == 2) == (False, True, False, True, True)
+    assert (int(at(3) / 1.5), at(3) // 1.5, (at(3) % 1.5).sign()) == (2, 2, 0)
+    assert (int(at(-2.5)), math.floor(at(-2.5)), math.ceil(at(-2.5))) == (-2, -3, -2)
+
+
+def test_time_that_is_a_wide_ball_is_decided_where_it_can_be():
+    near = Clock(Evaluation(), arb(2, 0.25))
+    assert near > 1
+    assert not near > 3
+    assert math.floor(near / 4) == 0
+    for undecided in (lambda: near > 2, lambda: math.floor(near)):
+        with pytest.raises(Refused):
+            undecided()
+
+
+def test_on_a_step_the_ends_do_not_count_and_what_is_inside_is_where_to_end():
+    t = at(arb(1.5, 0.5), span=(Fraction(1), Fraction(2)))
+    assert t > 1
+    assert t < 2
+    assert t != 2
+    assert not t == 1  # noqa: SIM201
+    assert (math.floor(t), int(-t), math.ceil(t), t // 1, math.floor(1 - t)) == (1, -1, 2, 1, -1)
+    assert 0 * t == 0
+    for inside in (lambda: t > 1.5, lambda: t == 1.5, lambda: 4 * t % 6, lambda: math.floor(t + 0.5)):
+        with pytest.raises(TimeCut) as cut:
+            inside()
+        assert cut.value.at == Fraction(3, 2)
+
+
+def test_products_with_other_numbers_are_no_clocks():
+    t = at(arb(1.5, 0.5), span=(Fraction(1), Fraction(2)))
+    for made in (t * t, 1 / t, np.sin(t), t**2):
+        assert not isinstance(made, Clock)
+    with pytest.raises(TypeError):
+        t % t
+
+
+def test_zero_of_another_function_of_time_is_refused():
+    with pytest.raises(Refused, match=r"compares numbers that are equal near t = 3\.14159"):
+        enclose_solution(lambda t, y: [1.0 if np.sin(t) > 0 else 0.0], [Fraction(0)], [Fraction(1), END])
+
+
+def test_spline_is_refused_beyond_ends_where_it_is_not_a_number():
+    inside = CubicSpline(KNOTS, DATA, extrapolate=False)
+    f = lambda t, y: [inside(t)]
+    assert enclose_solution(f, [Fraction(0)], [Fraction(1, 2), Fraction(4)]).steps >= 3
+    with pytest.raises(Refused, match="beyond its ends"):
+        enclose_solution(f, [Fraction(0)], [Fraction(1, 2), END])
+
+
+def test_jumps_one_rounding_apart_are_two_steps():
+    f = lambda t, y: [1.0 if t < 0.3 else 100.0 if t < 0.1 + 0.2 else 0.0]
+    found = enclose_solution(f, [Fraction(0)], [Fraction(0), Fraction(1)])
+    whole = Fraction(0.3) + 100 * (Fraction(0.1 + 0.2) - Fraction(0.3))
+    assert off(found, whole) < 1e-30
+
+
+def test_jumps_without_end_are_refused_early(monkeypatch):
+    monkeypatch.setattr(solutions, "MOST_STEPS", 2000)
+    with pytest.raises(Refused, match="too long: 20 steps"):
+        enclose_solution(lambda t, y: [t % 1e-6], [Fraction(0)], [Fraction(0), END])
+
+
+def rk4_run(f, n):
+    h, y, rows = 5 / n, [0.0], [[0.0]]
+    for i in range(n):
+        t = i * h
+        a = f(t, y)
+        b = f(t + h / 2, [y[0] + h / 2 * a[0]])
+        c = f(t + h / 2, [y[0] + h / 2 * b[0]])
+        d = f(t + h, [y[0] + h * c[0]])
+        y = [y[0] + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0])]
+        rows.append(y)
+    return [i * h for i in range(n + 1)], rows
+
+
+def test_float_run_over_jumps_is_split_into_truncation_and_rounding():
+    t, y = rk4_run(switched, 40)
+    found = certify(switched, t, y, method="rk4")
+    exact = rk4_run(lambda t, y: [-y[0] + (1 if t < 2 else 0)], 40)[1]
+    # The step that ends at the jump takes its last slope from after it, which is off by 1: by h/6 in the end.
+    assert abs(found.split.truncation[16][0] + enclose(Fraction(1, 48))) < 1e-6
+    assert max(abs(x) for (x,) in found.split.rounding) < 1e-15
+    assert y == exact
