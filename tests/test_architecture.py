@@ -70,10 +70,10 @@ BUDGETS = {
     "symbolic": 10471,
     "numeric": 3962,
     "blackbox": 20716,
-    "enclosure": 3882,
+    "enclosure": 4123,
     "texts": 9332,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5853
+BUDGET_OF_REPORTS_AND_FRONT = 5852
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

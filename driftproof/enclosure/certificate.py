@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from flint import arb, ctx
 
-from driftproof.enclosure.steps import size
+from driftproof.enclosure.numbers import size
 from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
 

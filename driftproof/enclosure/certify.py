@@ -17,10 +17,10 @@ from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import Evaluation, Refused
+from driftproof.enclosure.numbers import Evaluation, Refused, size
 from driftproof.enclosure.problem_tables import GivenTable, given_problem
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
-from driftproof.enclosure.steps import linearised, size
+from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
 from driftproof.methods.rationals import ExactNumber

@@ -11,7 +11,7 @@ from math import log2
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from driftproof.enclosure.steps import size
+from driftproof.enclosure.numbers import size
 
 # The κh that are tried in the bound r e^(κs): the first loses little; a system that grows needs a larger one.
 RATES = (0.125, 1, 4, 16)

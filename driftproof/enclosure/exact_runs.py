@@ -14,9 +14,9 @@ from flint import arb, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
 from driftproof.enclosure.implicit_runs import implicit_step
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST
-from driftproof.enclosure.steps import linearised, size
+from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.trajectories import Trajectory
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber

@@ -15,8 +15,8 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Evaluation, Refused
-from driftproof.enclosure.steps import linearised, size
+from driftproof.enclosure.numbers import Evaluation, Refused, size
+from driftproof.enclosure.steps import linearised
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
 

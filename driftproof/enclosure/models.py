@@ -47,6 +47,14 @@ class TaylorModel:
         """A ball that contains the values for all σ in the ball `sigma`, by default 0 <= σ <= 1."""
         return self.polynomial(sigma) + arb(0, self.tail)
 
+    def ends(self) -> tuple[arb, arb]:
+        """c_0 and a ball such that for each 0 <= σ <= 1 the value lies between c_0 and a number of the ball.
+
+        That is c_0 + (x(σ) - c_0)/σ: what increases from a small positive value is thus seen to be positive.
+        """
+        first = self.coefficient(0)
+        return first, first + arb_poly(self.polynomial.coeffs()[1:])(STEP) + arb(0, self.tail)
+
     def within(self, rest: arb) -> TaylorModel:
         """The model plus any function whose norm is at most `rest`."""
         around = arb(0, rest.upper())

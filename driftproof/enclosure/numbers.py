@@ -7,7 +7,7 @@ a ball cannot decide, a conversion to a float, a function where it is not analyt
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import wraps
@@ -55,9 +55,9 @@ def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
         remedy += "of scipy.special, which problems to compare methods on may not"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if reason.startswith(COMPARES):
-        said = "f has a kink or a jump there, as abs, clip, max or an if has"
+        said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
         remedy = "cut there and take the pieces one by one; the step across, and the error before it, are then left out"
-        return Refused(f"{COMPARES} that are equal {near}: {said}; {remedy}")
+        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {remedy}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
 
@@ -77,28 +77,40 @@ class Evaluation:
     `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
     tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
     `span` holds the first and last time of a step, the last None for times just after the first, for comparisons of the
-    time (see `clocks`); it is None at a single time.
+    time (see `clocks`); it is None at a single time. Models are compared for 0 <= σ <= 1 if it goes
+    `forward` from the middle of their disc, else for -1 <= σ <= 1.
     """
 
     decided: Sequence[bool] | None = None
     taken: list[bool] = field(default_factory=list)
     doubles: set[float] = field(default_factory=set)
     span: tuple[Fraction, Fraction | None] | None = None
+    forward: bool = False
 
-    def decide(self, difference: Value) -> bool:
-        """True if the difference is positive. Raises Refused if its ball contains zero."""
+    def decide(self, difference: Value, at_zero: bool = False) -> bool:
+        """True if the difference is positive. Raises Refused if its ball contains zero.
+
+        At a single time an exact difference may be 0, as of floats; then the answer is `at_zero`.
+        """
+        values = difference.ends() if self.forward and not isinstance(difference, arb) else (difference,)
         if self.decided is not None:
             if len(self.taken) == len(self.decided):
                 raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
             answer = self.decided[len(self.taken)]
-        elif difference > 0:
+        elif all(x > 0 for x in values):
             answer = True
-        elif difference < 0:
+        elif all(x < 0 for x in values):
             answer = False
+        elif self.span is None and isinstance(difference, arb) and difference.is_zero():
+            answer = at_zero
         else:
-            raise Refused(f"{COMPARES} whose enclosures overlap")
+            answer = self.undecided()
         self.taken.append(answer)
         return answer
+
+    def undecided(self) -> bool:
+        """Raise Refused: neither outcome is certain."""
+        raise Refused(f"{COMPARES} whose enclosures overlap")
 
     def constant(self, x: object) -> Value:
         """A constant in the code of f, exactly. Raises Refused if it is not a finite real number."""
@@ -224,13 +236,20 @@ class Enclosed:
         """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
         return self.evaluation.decide(o.value - self.value)
 
-    __ge__, __le__ = __gt__, __lt__
+    @_lifts_other
+    def __ge__(self, o: Enclosed) -> bool:
+        """True if self is greater, or both are the same exact number; else as >."""
+        return self.evaluation.decide(self.value - o.value, at_zero=True)
+
+    @_lifts_other
+    def __le__(self, o: Enclosed) -> bool:
+        """True if self is less, or both are the same exact number; else as <."""
+        return self.evaluation.decide(o.value - self.value, at_zero=True)
 
     @_lifts_other
     def __eq__(self, o: Enclosed) -> bool:
-        """False if the two certainly differ. Raises Refused otherwise, because balls never prove equality."""
-        self.evaluation.decide(self.value - o.value)
-        return False
+        """False if the two certainly differ, True if they are the same exact number. Raises Refused otherwise."""
+        return bool(self >= o and self <= o)
 
     def __bool__(self) -> bool:
         """True if the number is certainly not 0. Raises Refused otherwise."""
@@ -251,7 +270,7 @@ class Enclosed:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
-        if ufunc.__name__ in ("exprel", "heaviside"):  # which have no loop over objects
+        if ufunc.__name__ in ("exprel", "heaviside", "sign"):  # which have no loop over objects
             return getattr(inputs[0], ufunc.__name__)(*inputs[1:])
         result = ufunc(*(_boxed(x) for x in inputs))
         return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
@@ -275,6 +294,10 @@ class Enclosed:
     def heaviside(self, at_zero: Any) -> Any:
         """0 below 0, 1 above, `at_zero` at 0."""
         return 1 if self > 0 else 0 if self < 0 else at_zero
+
+    def sign(self) -> int:
+        """-1, 0 or 1."""
+        return 1 if self > 0 else -1 if self < 0 else 0
 
     @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
@@ -381,6 +404,14 @@ def _boxed(x: Any) -> Any:
     box = np.empty((), dtype=object)
     box[()] = x
     return box
+
+
+def size(values: Iterable[arb]) -> arb:
+    """The largest absolute value of a number in the balls, exact; 0 if there are no balls, NaN if any is NaN."""
+    largest = arb(0)
+    for x in values:
+        largest = largest.max(arb(x.abs_upper()))  # Python's max would lose a NaN
+    return largest
 
 
 def series(evaluation: Evaluation, coefficients: Sequence[arb], length: int) -> Enclosed:

@@ -10,25 +10,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from operator import add
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
+from driftproof.enclosure.crossings import Crossing, Window, crossed
 from driftproof.enclosure.fields import RightHandSide, enclosable
-from driftproof.enclosure.numbers import Evaluation, Refused, Stiff, not_smooth
+from driftproof.enclosure.numbers import COMPARES, Evaluation, Refused, Stiff, not_smooth, size
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
     EnclosedStep,
     Expansion,
+    Weights,
     balanced,
     decisions,
     fewer_steps,
     linearised,
     obstacle_ahead,
-    size,
 )
 from driftproof.enclosure.stiff import StiffPath
 from driftproof.support.progress import stage
@@ -52,6 +52,8 @@ SHRUNK = 0.4
 # No problem needs a longer first step; a shorter one is found by trying. Each further step is a sixth of the radius of
 # convergence, which grows by no more than the length of a step: so 5/4 is more than the next can use.
 LONGEST_STEP, LONGER = Fraction(2) ** 20, Fraction(5, 4)
+# A crossing takes no more than this part of the whole time: a wider window would not leave twelve digits.
+WIDEST_WINDOW = Fraction(1, 2**50)
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,8 @@ class _Path:
         self.point = [(x + 0).mid() for x in balls]  # of no more bits than a step's polynomial has
         self.basis = arb_mat(n, n, 1)
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
-        self.step: EnclosedStep | None = None
+        self.step: EnclosedStep | Window | None = None
+        self.weights: Weights | None = None
         self.lengths, self.longest = list[Fraction](), LONGEST_STEP
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
@@ -127,30 +130,54 @@ class _Path:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
             self._advance()
-        s = t - self.step.t
-        values, near = self.step.at(s)
-        reach = near + self.step.spread * self.step.tube.growth(enclose(s))
-        return tuple(map(add, values, self.step.around(reach)))
+        return self.step.state_at(t)
 
     def _advance(self) -> None:
-        if self.step is not None:
+        if isinstance(self.step, EnclosedStep):
             self._carry(self.step)
         self.steps += 1
+        if self.steps > self.most:
+            raise Refused(f"too long: {self.most} steps, the limit, reach only t = {float(self.t):.9g}")
         error = (self.basis * self.box).entries()
         try:
             decided = decisions(self.f, self.t, self.point, self.doubles)
         except Refused as refusal:
+            at_once = (self.last - self.first) / 2**ctx.prec
+            if str(refusal).startswith(COMPARES):
+                if self._cross(at_once, error):
+                    return
+                raise not_smooth(self.t, str(refusal)) from None
             raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
-        if self.step is not None:
-            weights = self.step.next_weights
-        else:
+        if self.weights is None:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
-            weights = balanced(jacobian, [arb(1)] * len(error))
-        expansion = Expansion(self.f, self.t, self.point, self.length, decided, weights)
-        self.step = expansion.step(self.longest, error)
+            self.weights = balanced(jacobian, [arb(1)] * len(error))
+        expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights)
+        try:
+            self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))
+        except Crossing as ahead:
+            if self._cross(ahead.s, error):
+                return
+            raise not_smooth(self.t + ahead.s, str(ahead)) from None
+        self.weights = self.step.next_weights
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
         self._refuse_what_does_not_end(self.step, expansion.cut)
+
+    def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
+        """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
+        box, unit = (
+            [x + e for x, e in zip(self.point, error, strict=True)],
+            Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length()),
+        )
+        while unit < WIDEST_WINDOW * (self.last - self.first):
+            h = (self.t + 2 * unit) // unit * unit + unit - self.t  # so that the time behind it is short
+            if (window := crossed(self.f, self.t, h, box)) is not None:
+                self.step, self.t, self.longest = window, self.t + window.h, LONGEST_STEP
+                self.point, self.basis = [x.mid() for x in window.after], arb_mat(len(box), len(box), 1)
+                self.box = arb_mat([[x - m] for x, m in zip(window.after, self.point, strict=True)])
+                return True
+            unit *= 4
+        return False
 
     def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool) -> None:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""

@@ -15,15 +15,17 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import add
 from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock, TimeCut
+from driftproof.enclosure.crossings import LEFT, Crossing, first_change
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
+from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, series, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
@@ -81,17 +83,15 @@ class EnclosedStep:
         ball = enclose(s)
         return [arb(p(enclose(s / self.h))) for p in self.polynomials], ball * self.defect * self.tube.growth(ball)
 
+    def state_at(self, t: Fraction) -> tuple[arb, ...]:
+        """Balls of all solutions at a time t of the step."""
+        values, near = self.at(t - self.t)
+        reach = near + self.spread * self.tube.growth(enclose(t - self.t))
+        return tuple(map(add, values, self.around(reach)))
+
     def around(self, distance: arb) -> list[arb]:
         """Balls around 0, one for each component, of everything within the distance."""
         return [arb(0, (distance * d).upper()) for d in self.weights]
-
-
-def size(values: Iterable[arb]) -> arb:
-    """The largest absolute value of a number in the balls, exact; 0 if there are no balls, NaN if any is NaN."""
-    largest = arb(0)
-    for x in values:
-        largest = largest.max(arb(x.abs_upper()))  # Python's max would lose a NaN
-    return largest
 
 
 def fewer_steps(most: int, components: int) -> int:
@@ -142,25 +142,37 @@ class Expansion:
         while known < length:
             slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
 
-    def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
+    def step(self, longest: Fraction, errors: Sequence[arb], nearest: Fraction = Fraction(0)) -> EnclosedStep:
         """A step of at most the length `longest`, valid for every start that differs from the point by the errors.
 
-        `cut` says afterwards whether it ends where a comparison of the time changes. Raises Refused if no disc on which
-        f is analytic is found, or no tube.
+        `cut` says afterwards whether it ends where f changes, or just before. Raises Refused if no disc on which f is
+        analytic is found, or no tube, and Crossing where f changes nearer than `nearest` and cannot be approached.
         """
         h, spread, cut = min(longest, self._first_length()), self._size(errors), None
+        change: Fraction | None = None
+        before_it: Iterator[Fraction] = iter(())
         reason = "f or the solution has a pole ahead, or f is not smooth there"
         for _ in range(MOST_SHORTENINGS):
             try:
                 if (made := self._attempt(h, spread)) is not None:
-                    self.cut = h == cut
+                    self.cut = h == cut or change is not None
                     return made
             except TimeCut as found:
                 h = cut = found.at - self.t
                 continue
             except Refused as refusal:
                 reason = str(refusal)
-            h *= SHORTER
+                if reason.startswith(COMPARES) and change is None:
+                    change = first_change(self.f, self.t, self.rows, self.decided, h)
+                    before_it = iter([] if change is None else [change * (1 - left) for left in LEFT])
+            if change is None:
+                h *= SHORTER
+            elif (nearer := next(before_it, None)) is not None:
+                h = nearer
+            elif change < nearest:
+                raise Crossing(reason, change)
+            else:
+                h, change = change / 4, None
         raise Refused(f"no step from t = {float(self.t):.9g}, however short, could be proved: {reason}", self.t)
 
     def _size(self, values: Iterable[arb]) -> arb:
@@ -233,7 +245,9 @@ class Expansion:
             ctx.cap = cap
 
     def _time(self, h: Fraction, length: int) -> Clock:
-        return Clock(Evaluation(span=(self.t, self.t + h)), TaylorModel([enclose(self.t), enclose(h)], length))
+        return Clock(
+            Evaluation(span=(self.t, self.t + h), forward=True), TaylorModel([enclose(self.t), enclose(h)], length)
+        )
 
     def _defect(self, h: Fraction, polynomials: Sequence[arb_poly]) -> arb:
         """An upper bound of |f(t + s, p(s)) - p'(s)| for 0 <= s <= h."""

@@ -15,10 +15,9 @@ from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.invariants import enclosed_invariant
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.numbers import Refused, size
 from driftproof.enclosure.problem_tables import as_toml, problem_table, rational_entry
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM

@@ -8,8 +8,8 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure import steps
-from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.steps import balanced, size
+from driftproof.enclosure.numbers import Refused, size
+from driftproof.enclosure.steps import balanced
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 
@@ -116,7 +116,7 @@ CHECKS = (
 GROWTH = "return (self.norm * s).exp()"
 DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
 FLOW = "error = (defect * tube.growth(step)).upper()"
-BRANCH = ("Evaluation(span=(self.t, self.t + h))", "Evaluation(self.decided, span=(self.t, self.t + h))")
+BRANCH = ("Evaluation(span=(self.t, self.t + h), for", "Evaluation(self.decided, span=(self.t, self.t + h), for")
 WRONG = {
     "a radius halved": (dense_holds_neighbours, (GROWTH, "return (self.norm * s).exp() / 2")),
     "Gronwall's constant too small": (dense_holds_neighbours, (GROWTH, "return (self.norm * s / 2).exp()")),

@@ -1,0 +1,174 @@
+"""Crossing a kink or a jump of f: solutions in closed form lie in their enclosures, and wrong windows exclude them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from driftproof import certify
+from driftproof.enclosure import crossings
+from driftproof.enclosure.crossings import crossed, first_change
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.solutions import enclose_solution
+from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.mutants import mutant
+from tests.looping import exactly
+
+BITS = 192
+
+
+def cosh(x):
+    return (x.exp() + (-x).exp()) / 2
+
+
+def fallen(t, speed):
+    """Height and speed after a throw upwards against the drag v|v|/10, with g = 10: its terminal speed is 10."""
+    rise = (arb(speed) / 10).atan()
+    top = 5 * (1 + (arb(speed) / 10) ** 2).log()
+    return top - 10 * cosh(t - rise).log(), -10 * (1 - cosh(t - rise) ** -2).sqrt()
+
+
+def swung(t):
+    """q'' = -sign q from 1: parabolas from zero to zero, each in the time 2 sqrt 2."""
+    half, root = int((float(t) - 2**0.5) // 8**0.5), arb(2).sqrt()
+    r, side = t - root - 2 * root * half, (-1) ** (half + 1)
+    return side * r * (root - r / 2), side * (root - r)
+
+
+def rectified(t):
+    """y' = max(sin t, 0): (1 - cos t), then 2, then on from 2 pi."""
+    return 4 if t > 3 * arb.pi() else 2 + 1 - arb(t).cos()
+
+
+drag = lambda t, y: [y[1], -10 - y[1] * abs(y[1]) / 10]
+CROSSING = {
+    "a jump at a double": (lambda t, y: [1.0 if y[0] < 0.5 else 2.0], [0], 1, lambda t: [arb(1.5)]),
+    "a jump by 1000": (lambda t, y: [1.0 if y[0] < 0.5 else 1000.0], [0], 1, lambda t: [arb(500.5)]),
+    "the modulus": (lambda t, y: [abs(y[0]) + 1], [-1], 2, lambda t: [t.exp() / 2 - 1]),
+    "the maximum": (lambda t, y: [np.maximum(y[0], 0) + 1], [-1], 2, lambda t: [(t - 1).exp() - 1]),
+    "arrays": (lambda t, y: np.where(y > 0, y + 1, 1.0), [-1], 2, lambda t: [(t - 1).exp() - 1]),
+    "drag over the top": (drag, [0, 20], 4, lambda t: fallen(t, 20)),
+    "drag from rest": (drag, [0, 0], 4, lambda t: fallen(t, 0)),
+    "a relay, seven times": (lambda t, y: [y[1], -np.sign(y[0])], [1, 0], 20, swung),
+    "signs of arrays": (lambda t, y: np.array([y[1], -np.sign(y)[0]]), [1, 0], 4, swung),
+    "a rectifier": (lambda t, y: [np.maximum(np.sin(t), 0)], [0], 8, lambda t: [rectified(t)]),
+    "two at once": (
+        lambda t, y: [1.0 if y[0] < 1 else 2.0, 1.0 if y[1] < 1 else 3.0], [0, 0], 2, lambda t: [arb(3), arb(4)],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CROSSING)
+def test_solution_that_crosses_is_enclosed(name):
+    f, start, end, exact = CROSSING[name]
+    found = enclose_solution(f, [Fraction(x) for x in start], [Fraction(0), Fraction(end)], BITS)
+    with ctx.workprec(2 * BITS):
+        for ball, true in exactly(len(start), zip(found.states[-1], exact(arb(end)), strict=True)):
+            assert ball.contains(true.mid() if true.rad() < ball.rad() / 100 else true)
+            assert ball.rad() < 1e-30
+
+
+def test_time_of_a_crossing_that_is_asked_for_is_in_its_window():
+    """The top of a throw is at t = 1 exactly, and 1 is asked for."""
+    found = enclose_solution(
+        lambda t, y: [y[1], -4.0 if y[1] > 0 else -2.0],
+        [Fraction(0), Fraction(4)],
+        [Fraction(x) for x in (0, 1, 2)],
+        BITS,
+    )
+    with ctx.workprec(2 * BITS):
+        for state, true in exactly(2, zip(found.states[1:], ([2, 0], [1, -2]), strict=True)):
+            assert all(abs(x - y) < 1e-45 for x, y in exactly(2, zip(state, true, strict=True)))
+
+
+WRONG = {
+    "one side only": ("left += [", "left += 0 * ["),
+    "no time of the window": ("return Window(t, end - t,", "return Window(t, (end - t) / 2,"),
+    "the box of the beginning": ("[x + rate * length for x, rate in", "[x + 0 * rate for x, rate in"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_window_excludes_the_solution(name, monkeypatch):
+    monkeypatch.setattr("driftproof.enclosure.solutions.crossed", mutant("crossings", WRONG[name]).crossed)
+    monkeypatch.setattr("driftproof.enclosure.solutions.MOST_STEPS", 60)
+    for f, start, end, exact in (CROSSING["a jump at a double"], CROSSING["a jump by 1000"]):
+        try:
+            found = enclose_solution(f, [Fraction(x) for x in start], [Fraction(0), Fraction(end)], BITS)
+        except Refused:
+            continue
+        with ctx.workprec(2 * BITS):
+            assert not found.states[-1][0].contains(exact(arb(end))[0])
+
+
+def test_box_that_solutions_leave_is_no_window():
+    """y' = y² from 1 has its pole at 1; windows of half that length hold, and a box that is not checked is none."""
+    with ctx.workprec(BITS):
+        grows, box = (lambda t, y: [y[0] ** 2]), [arb(1)]
+        assert crossed(grows, Fraction(0), Fraction(1), box) is None
+        held = crossed(grows, Fraction(0), Fraction(1, 16), box)
+        assert held.after[0].contains(1 / (1 - enclose(held.h)))
+        assert held.state_at(Fraction(1, 32))[0].contains(1 / (1 - enclose(Fraction(1, 32))))
+        unchecked = mutant("crossings", ("if all(big.contains_interior(x)", "if any([True]) or all(big.contains(x)"))
+        assert unchecked.crossed(grows, Fraction(0), Fraction(1), box) is not None
+
+
+def test_window_ends_where_f_is_certain_on_a_wider_set():
+    jump = lambda t, y: [1.0 if y[0] < 0 else 2.0]
+    with ctx.workprec(BITS):
+        found = crossed(jump, Fraction(0), Fraction(1), [arb(-0.5)])
+        (after,) = found.after
+        assert after.contains(2 * (enclose(found.h) - 0.5))
+        assert after.lower() > (crossings.CERTAIN - 2) * after.rad()
+        assert crossed(lambda t, y: [-np.sign(y[0])], Fraction(0), Fraction(1), [arb(0.5)]) is None
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [([[0, 1]], Fraction(1, 4)), ([[1, -4, 4]], None), ([[1, 0]], None), ([[0, 0, 1]], Fraction(1, 2))],
+    ids=["rises", "touches from above", "stays", "bends"],
+)
+def test_first_change_is_found_along_the_polynomials(rows, said):
+    above = lambda t, y: [1.0 if y[0] > 0.25 else 0.0]
+    with ctx.workprec(BITS):
+        decided = [rows[0][0] > 0.25]
+        found = first_change(above, Fraction(0), [[arb(c) for c in row] for row in rows], decided, Fraction(1))
+    if said is None:
+        assert found is None or rows[0][2:]  # what dips below 1/4 around 1/2 changes there
+    else:
+        assert 0 <= found - said < Fraction(1, 2**100)
+
+
+@pytest.mark.parametrize(
+    ("f", "start", "near"),
+    [
+        (lambda t, y: [-np.sign(y[0])], 1, r"1;"),
+        (lambda t, y: [2 * (t - 1) + (0.0 if y[0] > 0 else 5.0)], 1, r"1;|1\.0|0\.99"),
+        (lambda t, y: [abs(y[0])], 0, r"0;"),
+    ],
+    ids=["slides", "touches", "stays"],
+)
+def test_solution_that_does_not_cross_is_refused(f, start, near):
+    with pytest.raises(Refused, match=rf"compares numbers that are equal near t = ({near}).*touch or follow"):
+        enclose_solution(f, [Fraction(start)], [Fraction(0), Fraction(2)])
+
+
+def test_many_relays_at_once_are_refused(monkeypatch):
+    monkeypatch.setattr(crossings, "MOST_SIDES", 3)
+    f, start, end, _ = CROSSING["two at once"]
+    with pytest.raises(Refused, match="changes too often at one time"):
+        enclose_solution(f, [Fraction(x) for x in start], [Fraction(0), Fraction(end)])
+
+
+def test_float_run_over_a_crossing_is_certified():
+    """Steps of 1/4 by forward Euler, exact but for that from 1/2, where the jump has not come yet."""
+    speeds = lambda t, y: np.array([1.0 if y[0] <= 0.5 else 2.0])
+    t, y = [k / 4 for k in range(5)], [0.0, 0.25, 0.5, 0.75, 1.25]
+    found = certify(speeds, t, [[x] for x in y], method="forward_euler")
+    true = [0.0, 0.25, 0.5, 1.0, 1.5]
+    for (error,), (of_method,), x, exact in zip(found.errors, found.split.truncation, y, true, strict=True):
+        assert abs(error - (x - exact)) < 1e-30
+        assert abs(of_method - (x - exact)) < 1e-30
