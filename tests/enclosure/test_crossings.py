@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from random import Random
 
+import mpmath
 import numpy as np
 import pytest
 from flint import arb, ctx
@@ -69,6 +71,42 @@ def test_solution_that_crosses_is_enclosed(name):
         for ball, true in exactly(len(start), zip(found.states[-1], exact(arb(end)), strict=True)):
             assert ball.contains(true.mid() if true.rad() < ball.rad() / 100 else true)
             assert ball.rad() < 1e-30
+
+
+def drawn(random):
+    """y' = a + b y with other a > 0 and b in each of up to four ranges of y, from -3: f, the end, and y there."""
+    limits = sorted(random.sample(range(-30, 31), random.randint(1, 3)))
+    lines = [(random.randint(8, 40) / 8, random.randint(-8, 8) / 16) for _ in range(len(limits) + 1)]
+    end, y = random.randint(4, 40) / 8, mpmath.mpf(-3)
+
+    def f(t, y):
+        a, b = lines[sum(y[0] >= x / 16 for x in limits)]
+        return [a + b * y[0]]
+
+    left = mpmath.mpf(end)
+    for (a, b), limit in zip(lines, [*limits, None], strict=True):
+        b, rate = mpmath.mpf(b), a + b * y
+        gain = None if limit is None else mpmath.mpf(limit) / 16 - y
+        if rate < 0.1 or (gain and rate + b * gain < 0.1):
+            return drawn(random)  # which would end before the next limit
+        reached = left if gain is None else mpmath.log1p(b * gain / rate) / b if b else gain / rate
+        y += rate * (mpmath.expm1(b * min(reached, left)) / b if b else min(reached, left))
+        left -= reached
+        if left <= 0:
+            break
+    return f, Fraction(end), y
+
+
+@pytest.mark.parametrize(("first", "count"), [(0, 12), pytest.param(12, 500, marks=pytest.mark.long)])
+def test_random_solutions_that_cross_are_enclosed(first, count):
+    random = Random(first)
+    with mpmath.workdps(60):
+        for _ in range(count):
+            f, end, true = drawn(random)
+            found = enclose_solution(f, [Fraction(-3)], [Fraction(0), end])
+            with ctx.workprec(200):
+                assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 55))).contains(0)
+                assert found.radius < 1e-28
 
 
 def test_time_of_a_crossing_that_is_asked_for_is_in_its_window():

@@ -160,6 +160,9 @@ def test_threads_take_parts_of_whole_blocks(members, threads, size):
     parts.clear()
     in_threads(lambda *part: parts.append(part), 3, 3)
     assert sorted(parts) == [(0, 1), (1, 2), (2, 3)]
+    parts.clear()
+    in_threads(lambda *part: parts.append(part), 4, 2)
+    assert sorted(parts) == [(0, 2), (2, 4)]
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():
