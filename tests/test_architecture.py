@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10471,
     "numeric": 3962,
     "blackbox": 20716,
-    "enclosure": 4123,
+    "enclosure": 4147,
     "texts": 9332,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5852

@@ -88,6 +88,9 @@ class Clock(Enclosed):
 
     __int__ = __trunc__
 
+    def __round__(self, digits: None = None) -> int:
+        return round(self.offset) if not self.rate else floor(self + Fraction(1, 2))
+
     def __floordiv__(self, other: object) -> Any:
         return NotImplemented if (of := _constant(other)) is None else floor(self / of)
 

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from copy import copy
 from functools import partial
 from inspect import signature
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
@@ -53,6 +54,9 @@ def enclosed_values(
     except Exception as error:  # a user's function may raise anything
         if ufunc := re.match(r"ufunc '(\w+)' not supported", str(error)):
             raise Refused(f"{name} uses {ufunc[1]}, which has no enclosure") from None
+        if "object arrays are not supported" in str(error):
+            has = "numpy.interp and CubicSpline have one"
+            raise Refused(f"{name} calls an interpolation that has no enclosure; {has}") from None
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         said += f"; y has {counted(len(y), 'component')}" if "unpack" in said or "index" in said else ""
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
@@ -106,18 +110,33 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
     if isinstance(name, str) and name in _REPLACED and getattr(np, name) is value:
         return getattr(_MODULE_NUMPY, name)
     if isinstance(value, MethodType):
-        return MethodType(_rebound(value.__func__, known, depth), value.__self__)
+        return MethodType(_rebound(value.__func__, known, depth), _with_splines(value.__self__))
     if isinstance(value, partial):
         return partial(_rebound(value.func, known, depth), *value.args, **value.keywords)
     if isinstance(value, FunctionType):
         foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
         return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
-    if hasattr(value, "from_spline") and hasattr(value, "extrapolate"):  # a PPoly of SciPy, which is not loaded here
+    if _is_spline(value):
         return lambda x, *more: of_pieces(value, x, *more) if isinstance(x, Enclosed) else value(x, *more)
     call = vars(type(value)).get("__call__")
     if isinstance(call, FunctionType):
-        return MethodType(_rebound(call, known, depth), value)
+        return MethodType(_rebound(call, known, depth), _with_splines(value))
     return value
+
+
+def _is_spline(value: Any) -> bool:
+    """True for a PPoly of SciPy, which is not loaded here."""
+    return hasattr(value, "from_spline") and hasattr(value, "extrapolate")
+
+
+def _with_splines(owner: Any) -> Any:
+    """The object itself, or a copy whose splines take enclosed numbers."""
+    splines = {name: value for name, value in getattr(owner, "__dict__", {}).items() if _is_spline(value)}
+    if not splines:
+        return owner
+    made = copy(owner)
+    vars(made).update({name: _rebound(value, {}, 0) for name, value in splines.items()})
+    return made
 
 
 def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
@@ -161,11 +180,13 @@ class _Math(ModuleType):
             evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
             if not evaluations:
                 return plain(*arguments)
+            if isinstance(first := arguments[0], Clock) and name in _TO_INTEGERS:
+                return plain(first)
+            if isinstance(first, Clock) and name == "fmod":
+                return first % arguments[1] if first > 0 else -(-first % arguments[1])
             arguments = tuple(_lifted(x, evaluations[0]) for x in arguments)
             if name in _OF_FINITE:
                 return _OF_FINITE[name]
-            if name in _TO_INTEGERS and isinstance(arguments[0], Clock):
-                return plain(*arguments)
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:

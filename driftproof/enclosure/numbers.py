@@ -261,8 +261,8 @@ class Enclosed:
 
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
-        said = "f converts a number to a float; use functions of NumPy or math, not float(); make arrays in f"
-        raise Refused(f"{said}, and call splines of SciPy by a name, not as self.spline")
+        said = "f converts a number to a float; use functions of NumPy or math, not float(), and make arrays in f"
+        raise Refused(f"{said}; of SciPy's splines those of the class PPoly have an enclosure, such as CubicSpline")
 
     __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = cast(Any, __float__)
 

@@ -45,6 +45,13 @@ JUMPS = {
     "int": (lambda t: [3, 1, 4, 1, 5][int(t)], [1, 2, 3, 4], lambda t: [3, 1, 4, 1, 5][int(t)]),
     "int of both signs": (lambda t: int(t - 2), [1, 2, 3, 4], lambda t: int(t - 2)),
     "math.floor": (lambda t: math.floor(t) * t, [1, 2, 3, 4], lambda t: math.floor(t) * t),
+    "round": (lambda t: round(t), [Fraction(k, 2) for k in (1, 3, 5, 7, 9)], round),
+    "math.fmod": (
+        lambda t: math.fmod(t - 1, 1.5),
+        [1, Fraction(5, 2), 4],
+        lambda t: t - 1 if t < 1 else (t - 1) % Fraction(3, 2),
+    ),
+    "math.trunc": (lambda t: math.trunc(t - 2), [1, 2, 3, 4], lambda t: math.trunc(t - 2)),
     "np.ceil": (lambda t: np.ceil(t), [1, 2, 3, 4], math.ceil),
 }
 
@@ -87,6 +94,19 @@ def polynomial(spline, t):
     return sum(Fraction(float(c)) * x for c, x in zip(spline.c[:, inside], powers, strict=True))
 
 
+class Driven:
+    """Data that belong to an object."""
+
+    def __init__(self):
+        self.spline, self.gain = CUBIC, 1
+
+    def __call__(self, t, y):
+        return [self.gain * self.spline(t)]
+
+    def rates(self, t, y):
+        return self(t, y)
+
+
 def folded(t):
     return Fraction(1, 2) + (t - Fraction(1, 2)) % Fraction(7, 2)
 
@@ -100,6 +120,8 @@ DATA_OF = {
     ),
     "cubic": (lambda t: CUBIC(t), KNOTS, lambda t: polynomial(CUBIC, t)),
     "pchip": (lambda t: PCHIP(t), KNOTS, lambda t: polynomial(PCHIP, t)),
+    "an object's": (Driven(), KNOTS, lambda t: polynomial(CUBIC, t)),
+    "a method's": (Driven().rates, KNOTS, lambda t: polynomial(CUBIC, t)),
     "periodic": (lambda t: PERIODIC(t), [*KNOTS, 4.5], lambda t: polynomial(PERIODIC, folded(t))),
 }
 
@@ -107,7 +129,8 @@ DATA_OF = {
 @pytest.mark.parametrize("name", DATA_OF)
 def test_integral_of_measured_data_is_enclosed(name):
     f, cuts, exact = DATA_OF[name]
-    found = enclose_solution(lambda t, y: [f(t)], [Fraction(0)], [Fraction(0), END])
+    rates = f if isinstance(f, Driven) or hasattr(f, "__self__") else lambda t, y: [f(t)]
+    found = enclose_solution(rates, [Fraction(0)], [Fraction(0), END])
     assert off(found, integral(exact, cuts)) < 1e-28
     assert found.doubles == ()
 

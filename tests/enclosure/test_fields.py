@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from flint import arb
 from numpy import zeros
+from scipy.interpolate import interp1d
 
 from driftproof.enclosure.fields import enclosable, enclosed_rates
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
@@ -164,6 +165,10 @@ def into_a_buffer(t, y):
     ("f", "said"),
     [
         (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
+        (
+            lambda t, y: [interp1d([0.0, 9.0], [0.0, 1.0])(t), 0],
+            "f calls an interpolation that has no enclosure; numpy.",
+        ),
         (lambda t, y: [y[0] % 1, 0], "f fails on enclosed numbers: TypeError: unsupported operand type(s) for %"),
         (lambda t, y: [np.copysign(y[0], 1), 0], "f uses copysign, which has no enclosure"),
         (lambda t, y: [round(y[0], 3), 0], "to a float; use functions of NumPy or math, not float"),
