@@ -101,8 +101,7 @@ def drawn(random):
 def test_random_solutions_that_cross_are_enclosed(first, count):
     random = Random(first)
     with mpmath.workdps(60):
-        for _ in range(count):
-            f, end, true = drawn(random)
+        for f, end, true in exactly(count, (drawn(random) for _ in range(count))):
             found = enclose_solution(f, [Fraction(-3)], [Fraction(0), end])
             with ctx.workprec(200):
                 assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 55))).contains(0)
