@@ -8,11 +8,12 @@ from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 
+from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
 from driftproof.reports.progress import progress_bar
-from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
 from driftproof.reports.work_precision.study import Study, measure

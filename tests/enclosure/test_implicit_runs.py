@@ -102,7 +102,7 @@ def test_wrong_proof_is_caught(name):
 
 
 def robertson(t, y):
-    a, b, c = y
+    _, b, c = y
     made, spent = y[0] / 25 - 10**4 * b * c, 3 * 10**7 * b * b
     return [-made, made - spent, spent]
 
