@@ -50,7 +50,8 @@ def stability_command(options: Namespace) -> str:
     cli.option("problem", "a problem, or a .toml file of your own", nargs="?", default="harmonic_oscillator"),
     cli.methods_option(
         "keys or .toml files (default"
-        " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2)"
+        " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2;"
+        " implicit ones where the problem is stiff)"
     ),
     cli.parameters_option(cli.OTHER_PARAMETERS),
     cli.option(
