@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
@@ -39,7 +40,9 @@ from driftproof.blackbox.report import (
 )
 from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, MAP, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import METHODS, entry_named
+from driftproof.methods.families import Family
+from driftproof.methods.tableau_file import subject_of
 from driftproof.support.plain_text import Json
 
 # Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.
@@ -57,7 +60,7 @@ _ANSWER = (
 
 
 def identify(
-    step: Callable[..., Any] | str,
+    step: Callable[..., Any] | str | Path,
     *,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
@@ -69,14 +72,42 @@ def identify(
     `step` is a callable or "package.module:name". If it takes a right-hand side or a force, its coefficients are read;
     its one-step matrix is read in any case. Both are compared with the catalogue and with variants of its methods. If
     the stepper remembers earlier steps, the recurrence of many steps and its start are read. `calls`, `array`,
-    `time_limit` and `isolate` are as for `verify`. Raises ValueError if the stepper cannot be imported or called.
+    `time_limit` and `isolate` are as for `verify`. Of a .toml file, the exact table is compared with the catalogue.
+    Raises ValueError if the stepper cannot be imported or called.
 
     >>> from driftproof import identify
     >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
     judging by linear steps only, it is forward_euler
     """
+    if isinstance(step, Path) or (isinstance(step, str) and step.partition(" at ")[0].endswith(".toml")):
+        if calls or array:
+            raise ValueError(f"{step} is a table, which nothing calls: leave out `calls` and `array`")
+        return _identified_table(str(step))
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
         return _identified(runner)
+
+
+def _identified_table(name: str) -> Report:
+    """Which method of the catalogue the table in a file is, its order, and the orders that it claims and lacks."""
+    from driftproof.symbolic.claimed_orders import unreached_orders
+    from driftproof.symbolic.facts import stated_order
+    from driftproof.symbolic.known_methods import known_as
+
+    method = subject_of(name)
+    if isinstance(method, Family):
+        raise ValueError(f"{name} is a family; one method is needed, such as '{name} at 1/2'")
+    found = known_as(method)
+    words = (
+        f"it is {found.words}" if found.methods or found.near else NOT_KNOWN + f": {found.words}" * bool(found.words)
+    )
+    known = [entry_named(key) for key in (*found.methods, *found.near)]
+    order = stated_order(replace(method, claimed_order=0))
+    parts = (
+        ("Catalogue", [f"{each.key}: {each.title}; {each.source}" for each in known]),
+        ("Order", [f"{order}, from the exact coefficients", *map(str, unreached_orders(method))]),
+    )
+    data = {"method": next(iter(found.methods), None), "near": [*found.near], "differences": [*found.differences]}
+    return Report(name, words, None, sections(*parts), {**data, "order": order})
 
 
 def _identified(runner: IsolatedRunner) -> Report:

@@ -185,13 +185,8 @@ list_option = partial(option, action="extend", default=[])
 _methods_listed = lambda text: import_module("driftproof.methods.catalogue").names_listed(text)
 methods_option = partial(list_option, "--methods", type=_methods_listed, metavar="M,M")
 steps_option = partial(list_option, "--h", type=read_by(steps_of), metavar="H,H")
-parameters_option = partial(
-    list_option,
-    "--parameters",
-    "other values of parameters of your own problem, such as mu=5",
-    type=several(_parameter),
-    metavar="NAME=VALUE",
-)
+OTHER_PARAMETERS = "other values of parameters of your own problem, such as mu=5"
+parameters_option = partial(list_option, "--parameters", type=several(_parameter), metavar="NAME=VALUE")
 digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
 places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))
 rounding_option = partial(

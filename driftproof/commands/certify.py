@@ -23,6 +23,7 @@ def _step(text: str) -> Fraction:
 @cli.command(
     cli.option("function", "f of y' = f(t, y): module:f, its text, or a .toml file", metavar="F"),
     cli.option("run", "the trajectory: a .csv, .txt, .dat, .npz or .npy file", type=Path),
+    cli.parameters_option("other values of parameters of a file, or keywords of a function, such as beta=0.55"),
     cli.option(
         "--method", "also split the error, for this method: a key, .toml file, or SciPy's RK23, RK45, DOP853, Radau"
     ),
@@ -76,7 +77,12 @@ def certify_command(options: Namespace) -> str:
     if re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)+", given) and not given.endswith(".toml"):
         raise ValueError(f"{given} is no right-hand side; for a function write {':'.join(given.rsplit('.', 1))}")
     f = given if given.endswith(".toml") else imported(given, "function") if ":" in given else field_of_text(given)
-    about = {"method": options.method, "h": options.h, "invariants": _invariants(options.invariant)}
+    about = {
+        "parameters": options.parameters,
+        "method": options.method,
+        "h": options.h,
+        "invariants": _invariants(options.invariant),
+    }
     found = certify(f, options.run, **about)
     good = options.tolerance is None or within(found, options.tolerance)
     drawn = draw_certificate(found, f"Error of {options.run.name}", options.figure) if options.figure else None

@@ -13,7 +13,7 @@ from driftproof.commands import arguments as cli
         "keys or .toml files (default"
         " forward_euler, rk4, symplectic_euler, backward_euler, implicit_midpoint, radau_iia2)"
     ),
-    cli.parameters_option(),
+    cli.parameters_option(cli.OTHER_PARAMETERS),
     cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: those of 10, 100 and 1000 steps)"),
     cli.TEXT_OR_JSON,
 )
@@ -50,9 +50,10 @@ def stability_command(options: Namespace) -> str:
     cli.option("problem", "a problem, or a .toml file of your own", nargs="?", default="harmonic_oscillator"),
     cli.methods_option(
         "keys or .toml files (default"
-        " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2)"
+        " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2;"
+        " implicit ones where the problem is stiff)"
     ),
-    cli.parameters_option(),
+    cli.parameters_option(cli.OTHER_PARAMETERS),
     cli.option(
         "--error",
         "the accuracy you want: tell first which method reaches it at the end, with which h, at what cost",

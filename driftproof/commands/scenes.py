@@ -51,6 +51,7 @@ def scene_command(options: Namespace) -> str:
 @cli.command(
     cli.option("scene", "a preset that `driftproof scene` lists, a problem, or your own .toml file"),
     cli.methods_option("keys that `driftproof methods` lists"),
+    cli.parameters_option(cli.OTHER_PARAMETERS),
     cli.option("--state", "position,velocity; may be repeated", type=cli.initial_state, action="append"),
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
     cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64 for 1/4, 1/8, ..., 1/64"),

@@ -51,6 +51,7 @@ def identify_command(options: Namespace) -> str:
       driftproof identify mylib.integrators:rk_step --calls field
       driftproof identify mylib.integrators:step --array numpy:float32 --format markdown
       driftproof identify mylib.ode:solve --solver
+      driftproof identify tableau.toml                 which method of the catalogue the exact table is
 
     what a stepper may look like:
       step(q, v, h) -> (q1, v1)            with a system built in; also step(state, h), and with m, k, t

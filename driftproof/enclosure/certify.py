@@ -18,7 +18,7 @@ from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import Evaluation, Refused, size
-from driftproof.enclosure.problem_tables import GivenTable, given_problem
+from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
@@ -55,6 +55,7 @@ def certify(
     t: Any = None,
     y: Any = None,
     *,
+    parameters: GivenParameters = (),
     method: str | Path | Method | None = None,
     h: ExactNumber | None = None,
     invariants: GivenInvariants = (),
@@ -65,7 +66,8 @@ def certify(
     each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat,
     .npz or .npy file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or
     the path of a .toml file, its numbers are exact. A .toml file, or a dict of its contents, may have a function
-    instead; a run with another start or end than the file's is told so. Raises Refused if nothing can be proved.
+    instead; a run with another start or end than the file's is told so. `parameters` replace
+    those of the file or the dict, or are keywords of the function. Raises Refused if nothing can be proved.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
@@ -80,7 +82,7 @@ def certify(
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
-    given = given_problem(f)
+    given = given_problem(f, parameters)
     unknowns = getattr(given.f, "unknowns", ())
     run = read_trajectory(Path(t), unknowns) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
     found = certificate_of(given.f, run, method, h, invariants)

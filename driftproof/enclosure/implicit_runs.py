@@ -2,7 +2,8 @@
 
 The slopes K of the stages solve G(K) = K - f(t + c h, y + h A K) = 0. With C near the inverse of G'(K̃), K̃ a point, and
 X a box around it, let N = K̃ - C G(K̃) + (I - C G'(X)) (X - K̃), for all y of a ball at once. If N lies in the interior
-of X, then each y of the ball has exactly one K in X, and it lies in N (krawczyk-1969).
+of X, then each y of the ball has exactly one K in X, and it lies in N (krawczyk-1969). As K'(y) = -(G_K)⁻¹ G_y, the
+step is y₁ at the middle of the ball plus (I + h bᵀ K') (y - middle): stiff components contract in balls as in numbers.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from driftproof.symbolic.algebra.certified import enclose
 
 # Convergence is quadratic near the solution, from 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations; the others are for coming near.
 _MOST_ITERATIONS = 40
+# Damping shortens no correction further than by this factor.
+_SHORTEST = 2**20
 # The box is this many times the first correction; a wider one is tried if its image is not inside it.
 _WIDER = (2, 8, 64)
 
@@ -40,7 +43,7 @@ def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
 
 
 def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, Fraction, Fraction], tuple[arb, ...]]:
-    """A function step(y, t, h) -> y₁ in balls, which raises Refused; Newton's method starts from f(t, y)."""
+    """A function step(y, t, h) -> y₁ in balls, which raises Refused."""
     assert isinstance(method, RungeKutta | Collocation)
     a, b, c = coefficient_balls(method)
     stages = range(len(b))
@@ -49,23 +52,36 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
         width = enclose(h)
         times = [enclose(t) + x * width for x in c]
 
-        def equations(K: _Row, start: _Row) -> tuple[arb_mat, arb_mat]:
-            """G(K) and G'(K)."""
-            found, slopes = [], arb_mat(len(K), len(K))
+        def equations(K: _Row, start: _Row) -> tuple[arb_mat, arb_mat, arb_mat]:
+            """G(K) and its derivatives by K and by the start."""
+            found, slopes, by_start = [], arb_mat(len(K), len(K)), arb_mat(len(K), n)
             for i in stages:
                 moved = [sum((a[i][j] * K[j * n + m] for j in stages), arb(0)) for m in range(n)]
                 at_stage = [x + width * d for x, d in zip(start, moved, strict=True)]
                 rates, rows = linearised(f, Clock(Evaluation(), times[i]), at_stage)
                 found += [[K[i * n + m] - rates[m]] for m in range(n)]
+                for m in range(n):
+                    for k in range(n):
+                        by_start[i * n + m, k] = -rows[m][k]
                 for j in stages:
                     for m in range(n):
                         for k in range(n):
                             own = int(i == j and m == k)
                             slopes[i * n + m, j * n + k] = own - width * a[i][j] * rows[m][k]
-            return arb_mat(found), slopes
+            return arb_mat(found), slopes, by_start
 
-        K = _proved(equations, y, _newton(equations, f, enclose(t), [x.mid() for x in y], len(b)))
-        return tuple(x + width * sum((b[i] * K[i * n + m] for i in stages), arb(0)) for m, x in enumerate(y))
+        def moved(K: Sequence[Any], m: int) -> Any:
+            return width * sum((b[i] * K[i * n + m] for i in stages), arb(0))
+
+        middle = [x.mid() for x in y]
+        K, at_middle, change = _proved(equations, y, middle, _newton(equations, middle, len(b) * n))
+        ends = []
+        for m, x in enumerate(y):
+            end = middle[m] + moved(at_middle, m)
+            for k in range(n):
+                end += (int(m == k) + moved([row[k] for row in change], m)) * (y[k] - middle[k])
+            ends.append(min(end, x + moved(K, m), key=lambda found: found.rad()))
+        return tuple(ends)
 
     def proved_step(y: _Row, t: Fraction, h: Fraction) -> tuple[arb, ...]:
         try:
@@ -76,30 +92,48 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
     return proved_step
 
 
-def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> list[arb]:
-    """A point near a solution. Raises ZeroDivisionError if a matrix is singular, or if there is no convergence."""
-    rates, _ = linearised(f, Clock(Evaluation(), t), y, slopes=False)
-    K = [x.mid() for x in rates] * stages
-    for _ in range(_MOST_ITERATIONS):
-        value, slopes = equations(K, y)
-        moved = slopes.mid().solve(value.mid(), algorithm="approx").entries()
-        K = [(x - d).mid() for x, d in zip(K, moved, strict=True)]
-        if size(moved) <= size(K).max(arb(1)) * arb(2) ** (16 - ctx.prec):
-            return K
+def _newton(equations: Any, y: _Row, unknowns: int) -> list[arb]:
+    """A point near the solution that float runs come to: from slopes of 0, damped if whole corrections lead nowhere.
+
+    Slopes f(t, y), which are huge where f is stiff, may lie beyond another solution. A correction is shortened until
+    the next one, by the same matrix, is shorter than it (hairer-wanner-1996, IV.8). Raises ZeroDivisionError if a
+    matrix is singular, or if there is no convergence.
+    """
+    for damped in (False, True):
+        K = [arb(0)] * unknowns
+        for _ in range(_MOST_ITERATIONS << 2 * damped):
+            value, slopes, _ = equations(K, y)
+            matrix, part = slopes.mid(), 1
+            moved = matrix.solve(value.mid(), algorithm="approx").entries()
+            trial = [(x - d).mid() for x, d in zip(K, moved, strict=True)]
+            while damped and part < _SHORTEST:
+                following = matrix.solve(equations(trial, y)[0].mid(), algorithm="approx").entries()
+                if size(following) < size(moved):
+                    break
+                part *= 2
+                trial = [(x - d / part).mid() for x, d in zip(K, moved, strict=True)]
+            K = trial
+            if size(moved) <= size(K).max(arb(1)) * arb(2) ** (16 - ctx.prec):
+                return K
     raise ZeroDivisionError
 
 
-def _proved(equations: Any, y: _Row, point: list[arb]) -> list[arb]:
-    """Krawczyk's N for all y of the ball. Raises ZeroDivisionError if no box tried contains its N."""
-    value, slopes = equations(point, y)
+def _proved(
+    equations: Any, y: _Row, middle: _Row, point: list[arb]
+) -> tuple[list[arb], list[arb], Sequence[Sequence[arb]]]:
+    """Krawczyk's N for all y of the ball and for its middle, and K'(y). Raises ZeroDivisionError if no N is in X."""
+    value, slopes, _ = equations(point, y)
     inverse = slopes.mid().inv().mid()
-    first = inverse * value
+    first, at_middle = inverse * value, inverse * equations(point, middle)[0]
     least = size(point).max(arb(1)) * arb(2) ** (8 - ctx.prec)
     for wider in _WIDER:
         around = [arb(0, (wider * arb(x.abs_upper()) + least).upper()) for x in first.entries()]
         box = [x + r for x, r in zip(point, around, strict=True)]
-        _, on_box = equations(box, y)
-        moved = (arb_mat(len(point), len(point), 1) - inverse * on_box) * arb_mat([[r] for r in around]) - first
-        if all(r.contains_interior(x) for r, x in zip(around, moved.entries(), strict=True)):
-            return [x + d for x, d in zip(point, moved.entries(), strict=True)]
+        on_box = inverse * equations(box, y)[1]
+        rest = (arb_mat(len(point), len(point), 1) - on_box) * arb_mat([[r] for r in around])
+        found, central = ((rest - each).entries() for each in (first, at_middle))
+        if all(r.contains_interior(x) for r, x in zip(around, found, strict=True)):
+            K, K_at_middle = ([x + d for x, d in zip(point, each, strict=True)] for each in (found, central))
+            _, slopes, by_start = equations(K, y)
+            return K, K_at_middle, (inverse * slopes).solve(-(inverse * by_start)).tolist()
     raise ZeroDivisionError

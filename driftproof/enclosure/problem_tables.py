@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -26,9 +26,14 @@ from driftproof.methods.field_text import (
     start_of_table,
     unknowns_of_table,
 )
+from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
+from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys
+
+# Values of some parameters by name, as a mapping or as pairs.
+GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
 class ProblemTable(NamedTuple):
@@ -58,12 +63,32 @@ class GivenTable(NamedTuple):
     end: Fraction | None = None
 
 
-def given_problem(given: Any) -> GivenTable:
-    """The right-hand side in a .toml file or in a dict like it; any other is taken as `given_field` does."""
+def given_problem(given: Any, parameters: GivenParameters = ()) -> GivenTable:
+    """The right-hand side in a .toml file or in a dict like it; any other is taken as `given_field` does.
+
+    `parameters` replace those of the table, or are keywords of a function.
+    """
+    if parameters and callable(given):
+        given = {"function": given}
     if isinstance(given, Mapping):
-        return _of_table(as_toml(given))
-    is_file = isinstance(given, str | Path) and str(given).endswith(".toml")
-    return read_toml(given, LONGEST_PROBLEM, _of_table) if is_file else GivenTable(given_field(given))
+        return _of_table(with_parameters(as_toml(given), parameters))
+    if isinstance(given, str | Path) and str(given).endswith(".toml"):
+        return read_toml(given, LONGEST_PROBLEM, lambda table: _of_table(with_parameters(table, parameters)))
+    if parameters:
+        raise ValueError("parameters are of a .toml file, a dict or a function; write them into the text, as in k=2")
+    return GivenTable(given_field(given))
+
+
+def with_parameters(table: TomlTable, parameters: GivenParameters, name: str = "") -> TomlTable:
+    """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
+    if not parameters:
+        return table
+    values = {each: str(value) for each, value in dict(parameters).items()}
+    held = as_table(table.get("parameters", {}), "parameters")
+    if others := [each for each in values if each not in held and "function" not in table]:
+        raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
+    told = ", ".join(f"{each} = {value}" for each, value in values.items())
+    return table | {"parameters": held | values, "title": f"{table.get('title', name)} with {told}"}
 
 
 def _of_table(table: TomlTable) -> GivenTable:

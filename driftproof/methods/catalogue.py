@@ -100,12 +100,16 @@ def method_named(name: str) -> Method:
     return of_one_state(entry_named(name))
 
 
-def of_one_state(method: Entry) -> Method:
-    """Return the method. Raises MethodError if its step takes more than one state and f."""
+def of_one_state(method: Entry, name: str = "") -> Method:
+    """Return the method. Raises MethodError if its step takes more than one state and f; `name` may be its file."""
     if isinstance(method, FactsOnly):
+        starts = isinstance(method, Multistep) and method.derivative == 1
+        asked = f"`driftproof value 'run {name or method.key} started=rk4 h=0.1 t=1 : state_error'`"
         raise MethodError(
             f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify` accept it, but runs and "
             "derivations do not; they need a method whose step takes one state and one f"
+            + f"; what gives its first values is named by {asked}"
+            * starts
         )
     return method
 

@@ -100,6 +100,10 @@ def read_method(path: str | Path) -> Method | Family | FactsOnly:
 _OF_PAIR = ("b_hat", "bhat", "b_star", "b_err", "b2", "b_tilde", "be")
 # For each family, keys as papers have them, and what to write.
 _OF_PAPERS = {
+    "runge_kutta": (
+        "B alpha beta stages",
+        "a low-storage or convex form is written as its tableau, the weights of all slopes in each stage and the step",
+    ),
     "splitting": ("a b c d", "write parts = [['kick', '1/2'], ['drift', 1], ...], the sub-steps in their order"),
     "multistep": ("alpha beta a b", "alpha is rho, beta is sigma, both from the oldest value to the new one"),
 }
@@ -342,7 +346,7 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     if isinstance(subject, Family):
         what = f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed"
         raise ValueError(f"{what}, such as '{given if isinstance(given, str | Path) else subject.key} at 1/2'")
-    return of_one_state(subject)
+    return of_one_state(subject, str(given) if isinstance(given, str | Path) else "")
 
 
 def methods_of(given: GivenMethods) -> list[Entry]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from fractions import Fraction
 from math import hypot, inf, isfinite, nextafter
 from typing import Any, TypeAlias
 
@@ -12,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from driftproof.numeric.advance import Advance, State, error_summary
+from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.problems.problem import Problem
 
 _Matrix: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = list[list[Decimal]]
@@ -33,6 +37,28 @@ SQUARINGS, GROWTH, DECIMALS = 48, 1e9, 45
 # Floats decide first, over 2**FEWER powers: those that fall below 1/GROWTH stay there, those above GROWTH have grown.
 FEWER = 36
 _U = 2.0**-53
+
+
+# Chosen: a solution that decays by e^-1000 where it follows slower ones costs explicit methods some 400 steps or more.
+STIFF_DECAY = 1000.0
+
+
+def fastest_decay(problem: Problem) -> tuple[float, float]:
+    """The largest -Re of an eigenvalue of df/dy at the reference's times, less what grows there, and its first time."""
+    n, writers, found = len(problem.start), field_writers(problem.field, compiled=False), (0.0, 0.0)
+    times: list[tuple[Fraction, Sequence[Any]]] = [(Fraction(0), problem.start)]
+    times += zip(problem.reference.times, problem.reference.states, strict=True)
+    for t, state in times:
+        rows, matrix = writers.zeros(n, min(n, sum(writers.band) + 1)), np.zeros((n, n))
+        with suppress(ArithmeticError, ValueError):  # of a formula without a value there
+            writers.jacobian(float(t), list(map(float, state)), rows)
+            for k, row in enumerate(rows):
+                first = max(0, k - writers.band.lower)
+                matrix[k, first : first + len(row)] = row[: n - first]
+            rates = np.linalg.eigvals(matrix).real
+            decay = float(-rates.min() - max(rates.max(), 0.0))  # no more than where others grow as fast
+            found = max(found, (decay, float(t)), key=lambda each: each[0])
+    return found
 
 
 @dataclass(frozen=True)

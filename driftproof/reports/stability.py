@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from flint import ctx
 
+from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
@@ -29,7 +30,7 @@ from driftproof.numeric.stability import (
     stays_bounded,
 )
 from driftproof.reports.progress import with_progress
-from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted, table, with_digits
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered

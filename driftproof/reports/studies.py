@@ -8,11 +8,13 @@ from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 
+from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
+from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import progress_bar
-from driftproof.reports.user_problem import GivenParameters, GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
 from driftproof.reports.work_precision.study import Study, measure
@@ -20,11 +22,17 @@ from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered
 
+# The limit of h for RK4 on y' = -y, to three digits.
+RK4_LIMIT = 2.79
 # The lesson's three, and one method of each further kind.
 WORK_PRECISION_METHODS = (
     *("forward_euler", "symplectic_euler", "rk4"),
     *("velocity_verlet", "dormand_prince54", "blanes_moan6", "gauss2"),
 )
+
+
+# Where the problem is stiff: an explicit pair beside implicit methods of one stage, of diagonal and of full tableaux.
+_FOR_STIFF = ("dormand_prince54", "backward_euler", "tr_bdf2", "gauss2", "radau_iia2", "radau_iia3")
 
 
 def work_precision(
@@ -40,8 +48,9 @@ def work_precision(
     """The errors that methods reach on a problem, with how many evaluations of f, in what time; `found` has the points.
 
     A point may be timed for `time_limit` seconds; runs for errors may take 10⁸ evaluations for each of these seconds.
-    `parameters` replace some of the problem's own. `error` is the accuracy that you want: which point reaches it with
-    the fewest evaluations is told first. `output` is a folder for files and figures, from which an interrupted study
+    `parameters` replace some of the problem's own. Without methods a stiff problem gets implicit ones. `error` is the
+    accuracy that you want: which point reaches it with the fewest evaluations is told first. `output` is a folder for
+    files and figures, from which an interrupted study
     goes on. Raises ValueError.
 
     >>> from driftproof import work_precision
@@ -49,7 +58,10 @@ def work_precision(
     >>> study["errors"]["curves"][0]["points"][0]["evaluations"]
     8
     """
-    about, asked = problem_given(problem, parameters), methods_of(methods or WORK_PRECISION_METHODS)
+    about = problem_given(problem, parameters)
+    decay, at = fastest_decay(about)
+    usual = _FOR_STIFF if decay * about.t >= STIFF_DECAY else WORK_PRECISION_METHODS
+    asked = methods_of(methods or usual)
     wanted = None if error is None else float(Fraction(error))
     study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), wanted)
     folder, written = None if output is None else Path(output), list[str]()
@@ -72,4 +84,10 @@ def work_precision(
             figures = [draw_study(study, measured, quantity, folder) for quantity in floors(study.problem)]
             written = [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
-    return Answered(both, lambda _: "\n".join([study_text(study, measured), *written]), measured)
+    stiff = (
+        f"This is stiff: an eigenvalue of df/dy is {-decay:.2g} at t = {at:g}, for which rk4 needs some"
+        f" {decay * about.t / RK4_LIMIT:.0f} steps, whatever the accuracy; implicit methods do not"
+        if usual is _FOR_STIFF
+        else ""
+    )
+    return Answered(both, lambda _: "\n".join([study_text(study, measured, stiff), *written]), measured)

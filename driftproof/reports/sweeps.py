@@ -38,6 +38,7 @@ def sweep(
     scene: str | Path | Mapping[str, Any] | Problem | Scene,
     *,
     methods: GivenMethods = (),
+    parameters: Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]] = (),
     state: Sequence[GivenState] = (),
     t: ExactNumber | Sequence[ExactNumber] = (),
     h: ExactNumber | Sequence[ExactNumber] = (),
@@ -50,13 +51,16 @@ def sweep(
     The grid has a point for each combination, h varying fastest; values that are not given are the scene's. `output` is
     a file in which answers are kept as they come, and from which the same sweep goes on. `workers` is a number of
     processes, or an executor of your own; `cluster` is the address of a dask scheduler. A problem, as for
-    `work_precision`, is swept to its end, and needs methods and h. Raises ValueError.
+    `work_precision`, is swept to its end, and needs methods and h; `parameters` replace some of its own. Raises
+    ValueError.
 
     >>> from driftproof import sweep
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
     [(0.0, 1.0), (-11.0, -10.0)]
     """
-    about = scene if isinstance(scene, Scene) else _scene_of(scene, methods, h)
+    about = scene if isinstance(scene, Scene) else _scene_of(scene, methods, h, parameters)
+    if parameters and about.problem is None:
+        raise ValueError("parameters are of a problem of your own; a scene has none to change")
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     axes: dict[str, Sequence[Any]] = {"selected": names_of(methods), "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
@@ -67,7 +71,10 @@ def sweep(
 
 
 def _scene_of(
-    given: str | Path | Mapping[str, Any] | Problem, methods: GivenMethods, h: ExactNumber | Sequence[ExactNumber]
+    given: str | Path | Mapping[str, Any] | Problem,
+    methods: GivenMethods,
+    h: ExactNumber | Sequence[ExactNumber],
+    parameters: Any,
 ) -> Scene:
     """The scene of this name; of a problem, that of the errors at its end, for the first method and step size."""
     if str(given) in PRESETS:
@@ -76,7 +83,7 @@ def _scene_of(
 
     if not names_problem(given):
         return scene_given(str(given))
-    problem = problem_given(given)
+    problem = problem_given(given, parameters)
     keys, steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")

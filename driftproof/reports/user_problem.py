@@ -16,21 +16,20 @@ from flint import arb, ctx, fmpq_mat
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import Refused, size
-from driftproof.enclosure.problem_tables import as_toml, problem_table, rational_entry
+from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.number_field import as_fmpq
-from driftproof.methods.rationals import ExactNumber, brief
+from driftproof.methods.rationals import brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
-from driftproof.support.plain_text import unknown
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, as_table, read_toml
+from driftproof.support.toml_tables import TomlTable, as_line, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -54,8 +53,6 @@ _LONGEST_TITLE = 200
 CONSTANTS_OFF = 1e6
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
-# Values of some parameters by name, as a mapping or as pairs.
-GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
 def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Problem:
@@ -68,11 +65,10 @@ def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Prob
     `driftproof stability` shows one. A dict has the same keys; its function may be a Python function itself, and its
     decimals are floats.
     """
-    others = dict(parameters)
     if isinstance(given, Mapping):
         name = getattr(given.get("function"), "__name__", "own")
-        return _problem(with_parameters(as_toml(given), others, name), name)
-    if others and not str(given).endswith(".toml"):
+        return _problem(with_parameters(as_toml(given), parameters, name), name)
+    if parameters and not str(given).endswith(".toml"):
         raise ValueError(f"parameters are of a problem in a .toml file or a dict; {brief(given)} has none to change")
     if isinstance(given, Problem):
         return given
@@ -82,19 +78,7 @@ def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Prob
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, others, name), name))
-
-
-def with_parameters(table: TomlTable, parameters: Mapping[str, ExactNumber], name: str) -> TomlTable:
-    """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
-    if not parameters:
-        return table
-    held = as_table(table.get("parameters", {}), "parameters")
-    if others := [each for each in parameters if each not in held and "function" not in table]:
-        raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
-    values = {each: str(value) for each, value in parameters.items()}
-    told = ", ".join(f"{each} = {value}" for each, value in values.items())
-    return table | {"parameters": held | values, "title": f"{table.get('title', name)} with {told}"}
+    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, parameters, name), name))
 
 
 def names_problem(given: object) -> bool:

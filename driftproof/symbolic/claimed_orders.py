@@ -54,7 +54,26 @@ def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[U
     >>> print(*unreached_orders(replace(METHODS["heun2"], claimed_order=3)))
     claimed order 3, has 2
     """
-    return [found for each, embedded in _claims(method) if (found := _unreached(each, embedded, tolerance))]
+    missed = [found for each, embedded in _claims(method) if (found := _unreached(each, embedded, tolerance))]
+    for words, turned in _exchanged(method) if missed else ():
+        if not any(_unreached(each, embedded, tolerance) for each, embedded in _claims(turned)):
+            missed[0] = missed[0]._replace(remark=f"{missed[0].remark}; {words}")
+    return missed
+
+
+def _exchanged(method: Any) -> Iterator[tuple[str, Entry]]:
+    """The table with its rows in other places, and what then may be wrong with the one given."""
+    if isinstance(method, Multistep) and method.rho[0]:
+        rows = {name: getattr(method, name)[::-1] for name in ("rho", "sigma")}
+        yield (
+            "rho and sigma may stand newest first; they go from the oldest value to the new one",
+            replace(method, **rows),
+        )
+    end = "_embedded"
+    if pairs := [(name.removesuffix(end), name) for name in getattr(method, "rows", ()) if name.endswith(end)]:
+        rows = {one: getattr(method, other) for pair in pairs for one, other in (pair, pair[::-1])}
+        if None not in rows.values():
+            yield " and ".join(pairs[0]) + " may be exchanged", replace(method, **rows)
 
 
 def _claims(method: Entry) -> Iterator[tuple[Entry, bool]]:

@@ -144,3 +144,35 @@ def test_what_to_do_with_a_lambda_is_no_command_that_cannot_work():
 
 def _faults(report):
     return report.section("Faults").lines
+
+
+TABLE = 'family = "runge_kutta"\nclaimed_order = 3\nA = [[0], ["1/2", 0], [0, "3/4", 0]]\nb = ["2/9", "1/3", "4/9"]\n'
+
+
+@pytest.mark.parametrize(("change", "verdict", "answered"), [
+    (("4/9", "4/9"), "it is ralston3", True),
+    (("4/9", "1/3"), "it is ralston3 except for b[2]: 1/3 instead of 4/9", True),
+    (("3/4", "4/5"), "it is ralston3 except for a[2][1]: 4/5 instead of 3/4", True),
+    (('[0, "3/4", 0]]\nb = ["2/9", "1/3", "4/9"]', '["1/2", "1/2", 0]]\nb = ["1/4", "3/8", "3/8"]'),
+     "it is not a known method", False),
+])  # fmt: skip
+def test_a_table_is_compared_exactly(tmp_path, change, verdict, answered):
+    path = tmp_path / "mine.toml"
+    path.write_text(TABLE.replace(*change))
+    found = identify(path)
+    assert (found.verdict, found.answered, found.passed) == (verdict, answered, None)
+    assert found.data["method"] == ("ralston3" if change[0] == change[1] else None)
+    assert bool(found.section("Catalogue")) == answered
+    assert identify(str(path)).verdict == verdict
+    assert any("claimed order 3, has" in line for line in found.section("Order").lines) == (change[0] != change[1])
+
+
+def test_what_no_table_is(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(TABLE)
+    with pytest.raises(ValueError, match="is a table, which nothing calls"):
+        identify(path, calls="field")
+    path.write_text('family = "runge_kutta"\nparameter = "x"\nA = [[0], ["x", 0]]\nb = [0, 1]\n')
+    with pytest.raises(ValueError, match="is a family; one method is needed, such as"):
+        identify(path)
+    assert identify(f"{path} at 1/2").verdict == "it is midpoint2"

@@ -42,6 +42,7 @@ SAME = {
     "check text.md --claims claims.toml": "check('text.md', 'claims.toml')",
     "diff old.json old.json": "diff('old.json', Path('old.json'))",
     "identify steps:euler": "identify('steps:euler')",
+    "identify mine.toml": "identify(Path('mine.toml'))",
     "verify steps:euler --method Euler": "verify(__import__('steps').euler, 'Euler')",
 }
 NAMES = {
@@ -163,7 +164,7 @@ FILES = {
     ".npz": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
     ".toml": [
         *("read_method(PATH)", "facts(PATH)", "derive(PATH)", "roundoff(PATH)", "step(PATH, 1)", "run(PATH, 1, 1)"),
-        *("verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
+        *("identify(PATH)", "verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
         *("certify(str(PATH), RUN)", "read_scene(PATH)", "scene(PATH)", "sweep(PATH)", "report(PATH)"),
         *("stability(PATH)", "stability('kepler', PATH)", "work_precision(PATH)", "work_precision('kepler', PATH)"),
         *("check(RUN, PATH)", "assert_text(RUN, PATH)", "scene('compare', methods=PATH)"),

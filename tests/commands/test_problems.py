@@ -68,3 +68,17 @@ REFUSED = {
 @pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
 def test_refusal_is_one_line(words, refusal):
     assert REFUSED[words] in refusal(*words)
+
+
+def test_certify_and_sweep_take_other_parameters(tmp_path, answer, refusal):
+    """A run of k = 2 is right for a file of k = 1 only with the parameter that it had."""
+    mine, run = tmp_path / "mine.toml", tmp_path / "run.csv"
+    mine.write_text('rates.y = "-k*y"\nstart.y = 1\nend = 1\nparameters.k = 1\n')
+    run.write_text("t,y\n0,1\n1,0.1353352832366127\n")
+    assert "largest error 0.2325" in answer("certify", str(mine), str(run))
+    about = "--parameters", "k=2"
+    assert "16 correct digits" in answer("certify", str(mine), str(run), *about)
+    swept = "sweep", str(mine), "--methods", "rk4", "--h", "1/4"
+    assert answer(*swept) != answer(*swept, *about)
+    assert "unknown parameter 'c'" in refusal(*swept, "--parameters", "c=2")
+    assert "a scene has none to change" in refusal("sweep", "default", "--h", "1/4", *about)

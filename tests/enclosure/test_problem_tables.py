@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.enclosure.problem_tables import problem_table
+from driftproof.enclosure.problem_tables import given_problem, problem_table
 
 
 def test_function_and_rates_give_one_field_with_the_energy_in_doubles():
@@ -18,6 +19,20 @@ def test_function_and_rates_give_one_field_with_the_energy_in_doubles():
     assert dict(text.field.parameters) == {"k": Q(1, 2)}
     assert text.energy == "((y1 * y1) / 2) + (k * (y0 * y0) / 2)"
     assert code.energy == "((y1 * y1) / 2) + ((1 / 2) * (y0 * y0) / 2)"
+
+
+def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
+    spring = {"rates": ["y1", "-k * y0"], "parameters": {"k": 0.5, "c": 1}}
+    assert dict(given_problem(spring, {"k": "1/3"}).f.parameters) == {"k": Q(1, 3), "c": Q(1)}
+    found = given_problem(lambda t, y, k: [k * y[0]], [("k", "0.5")]).f
+    assert found(0.0, [3.0]) == [1.5]
+    for given, words in (
+        (spring, "unknown parameter 'g'; choose from k, c"),
+        ({"rates": ["y0"]}, "no parameter 'g'; it has none"),
+        ("-y0", "parameters are of a .toml file, a dict or a function; write them into the text"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(words)):
+            given_problem(given, {"g": 1})
 
 
 @pytest.mark.parametrize(

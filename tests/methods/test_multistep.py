@@ -5,7 +5,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof import METHODS, facts, read_method
+from driftproof import METHODS, facts, read_method, value
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named, method_named
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import square_root
@@ -73,6 +73,21 @@ def test_who_needs_a_step_from_one_state_says_so():
     for refuse in exactly(2, (method_named, method_of)):
         with pytest.raises(ValueError, match=words):
             refuse("bdf2")
+
+
+def test_a_refused_multistep_method_is_shown_how_it_runs(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('family = "multistep"\nrho = [0, -1, 1]\nsigma = ["-1/2", "3/2", 0]\n')
+    for name in exactly(2, ("bdf2", str(path))):
+        with pytest.raises(
+            ValueError, match=r"what gives its first values is named by `driftproof value 'run "
+        ) as found:
+            method_of(name)
+        question = re.search("value '(.*)'`", str(found.value))[1]
+        assert name in question
+        assert value(question)
+    with pytest.raises(ValueError, match=r"one state and one f$"):
+        method_of("stormer2")
 
 
 def test_residuals_of_first_and_second_order_methods_are_named():

@@ -119,6 +119,10 @@ WRONG: list[tuple[str | bytes, str]] = [
         'family = "multistep"\nalpha = [1, -1]',
         "(alpha is rho, beta is sigma, both from the oldest value to the new one)",
     ),
+    (
+        HEAD + "A = [0, -5, -153]\nB = [1, 1, 1]",
+        "(a low-storage or convex form is written as its tableau, the weights of all slopes in each stage and ",
+    ),
     ('family = "multistep"\nrho = [1, -1]\nsteps = 1', "a multistep has no key 'steps'; its keys are family, "),
     ('family = "additive"\nc = [1]', "an additive has no key 'c'"),
     (

@@ -17,8 +17,10 @@ from driftproof.numeric.stability import (
     DECIMALS,
     GROWTH,
     SQUARINGS,
+    STIFF_DECAY,
     _by_floats,
     bounded_again,
+    fastest_decay,
     fewest_steps,
     largest_bounded,
     observe,
@@ -270,3 +272,14 @@ def test_at_every_bisected_limit_the_exact_verdict_turns(key: str) -> None:
     # At h = 8.02 this one's step is bounded, but its sums are so much larger than their results that its floats grow.
     grows_by_rounding = key == "mclachlan_atela5"
     assert (False in [turns(key, name) for name in LINEAR]) is grows_by_rounding
+
+
+def test_the_fastest_decay_is_that_of_an_eigenvalue_on_the_solution():
+    """dahlquist_1e3 decays at 1000; a chain in a band has -100 at its end; an oscillator decays nowhere."""
+    assert fastest_decay(PROBLEMS["dahlquist_1e3"]) == (1000.0, 0.0)
+    assert fastest_decay(PROBLEMS["harmonic_oscillator"])[0] == 0
+    stiff = {key: fastest_decay(each)[0] * each.t for key, each in PROBLEMS.items()}
+    assert {key for key, decay in stiff.items() if decay >= STIFF_DECAY} <= {
+        key for key, x in PROBLEMS.items() if x.stiff
+    }
+    assert stiff["dahlquist_1e3"] >= STIFF_DECAY

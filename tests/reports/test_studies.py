@@ -11,6 +11,7 @@ from driftproof.commands import problems
 from driftproof.reports import studies
 from driftproof.reports.stability import STABILITY_METHODS
 from driftproof.reports.studies import WORK_PRECISION_METHODS
+from driftproof.reports.work_precision.study import Measured
 from tests.reports.studies import be_quick
 
 
@@ -44,6 +45,16 @@ def test_progress_counts_points_none_of_them_before_it_is_known_how_many(monkeyp
 )
 def test_help_names_the_methods_that_are_taken(command, methods):
     assert ",".join(methods) in "".join(command.parser("x").format_help().split())
+
+
+def test_a_stiff_problem_is_told_so_and_gets_implicit_methods(monkeypatch):
+    asked = []
+    monkeypatch.setattr(studies, "measure", lambda study, *_: asked.append(study.methods) or Measured())
+    told = [str(driftproof.work_precision(key)) for key in ("dahlquist_1e3", "dahlquist_1")]
+    said = "This is stiff: an eigenvalue of df/dy is -1e+03 at t = 0, for which rk4 needs some 358 steps"
+    assert told[0].startswith(said)
+    assert "stiff" not in told[1]
+    assert ["radau_iia2" in [method.key for method in methods] for methods in asked] == [True, False]
 
 
 def test_numbers_may_be_text_and_scenes_a_list():

@@ -52,6 +52,22 @@ def test_an_order_that_is_claimed_and_missed_is_named(family):
     assert said(method) == lines
 
 
+PAIR, BDF2 = METHODS["bogacki_shampine32"], FACTS_ONLY["bdf2"]
+NEWEST_FIRST = "rho and sigma may stand newest first; they go from the oldest value to the new one"
+TURNED = {
+    "claimed order 3, has 2; b and b_embedded may be exchanged": replace(PAIR, b=PAIR.b_embedded, b_embedded=PAIR.b),
+    f"claimed order 2, has 0; {NEWEST_FIRST}": replace(BDF2, rho=BDF2.rho[::-1], sigma=BDF2.sigma[::-1]),
+    # Exchanged, these claims would not hold either.
+    "claimed order 4, has 2": replace(PAIR, b=PAIR.b_embedded, b_embedded=PAIR.b, claimed_order=4),
+    "claimed order 3, has 0": replace(BDF2, rho=BDF2.rho[::-1], sigma=BDF2.sigma[::-1], claimed_order=3),
+}
+
+
+@pytest.mark.parametrize("line", TURNED)
+def test_rows_in_each_others_place_are_named_if_that_restores_the_claims(line):
+    assert said(TURNED[line]) == [line]
+
+
 def test_what_claims_nothing_or_less_than_it_has_misses_nothing():
     assert said(replace(METHODS["rk4"], claimed_order=0)) == said(replace(METHODS["rk4"], claimed_order=3)) == []
 

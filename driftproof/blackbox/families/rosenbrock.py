@@ -100,8 +100,10 @@ class _Products:
 
 
 def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
-    alpha, gamma = (np.array([[float(x) for x in row] for row in rows]) for rows in (method.alpha, method.gamma))
-    return alpha, gamma, np.array([float(x) for x in method.b])
+    """The coefficients without the last stages that only an error estimate uses, whose calls no step shows."""
+    used = max((i for i, x in enumerate(method.b, 1) if x), default=1)
+    alpha, gamma, b = (np.array(rows, dtype=float) for rows in (method.alpha, method.gamma, method.b))
+    return alpha[:used, :used], gamma[:used, :used], b[:used]
 
 
 def _conjugate(x: Exact) -> Exact:

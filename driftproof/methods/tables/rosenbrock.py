@@ -1,4 +1,4 @@
-"""Rosenbrock and W methods: ROS2, ROS3P, GRK4T, RODAS3 and RODAS."""
+"""Rosenbrock and W methods: ROS2, ode23s, ROS3P, GRK4T, RODAS3 and RODAS."""
 
 from __future__ import annotations
 
@@ -51,6 +51,13 @@ ENTRIES: tuple[Rosenbrock, ...] = (
         gamma=padded((_G2,), (-2 * _G2, _G2)),
         b=row("1/2 1/2"),
         b_embedded=row("1 0"),
+    ),
+    Rosenbrock(  # e32 of its program is 6 + sqrt(2), and d is 1/(2 + sqrt(2))
+        **heading("ode23s | Modified Rosenbrock pair of ode23s | 2(3) | shampine-reichelt-1997, 3.1"),
+        alpha=square("0\n 1/2\n 0 1"),
+        gamma=padded((_G2,), (-_G2, _G2), (_G2 * (4 + _SQRT2), -_G2 * (6 + _SQRT2), _G2)),
+        b=row("0 1 0"),
+        b_embedded=row("1/6 2/3 1/6"),
     ),
     Rosenbrock(
         **heading("ros3p | ROS3P | 3(2) | lang-verwer-2001, 4"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite
 from pathlib import Path
@@ -152,8 +153,11 @@ def write_study(study: Study, measured: Measured, folder: Path) -> list[Path]:
     return [folder / name for name in contents]
 
 
-def study_text(study: Study, measured: Measured) -> str:
-    """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why."""
+def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
+    """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why.
+
+    `stiff` is said near the top.
+    """
     from driftproof.symbolic.facts import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
@@ -173,7 +177,8 @@ def study_text(study: Study, measured: Measured) -> str:
     if study.error is not None:
         best = _work_text(study, least_work(measured, study.error, "final"))
         parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}")
-    return "\n\n".join([*parts, "\n".join(_remarks(study, measured))])
+    parts.insert(study.error is not None, stiff)
+    return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
 
 
 def _head(study: Study) -> str:
@@ -194,7 +199,8 @@ def order_rows(measured: Measured, stiff: bool = False, stated: Mapping[str, int
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
-        rows.append([key, order, shown, _least_error(curve), curve.verdict + reduced])
+        least = _least_error(curve)
+        rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
 
 
@@ -257,6 +263,12 @@ def _least_error(curve: Curve) -> str:
     return f"{best.error:.2g}" if 1e-3 <= best.error < 100 or not best.error else f"{mantissa}e{int(exponent)}"
 
 
+def _why_none(curve: Curve) -> str:
+    """Why no run of a curve has an error: it does not apply, or what stopped the last one."""
+    remarks = [point.remark for point in curve.points if point.remark]
+    return f"does not apply: {curve.refused}" if curve.refused else remarks[-1] if remarks else curve.verdict
+
+
 def seconds_text(seconds: float) -> str:
     """The seconds with three digits, in ns, µs, ms or s."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
@@ -267,14 +279,19 @@ def seconds_text(seconds: float) -> str:
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, was not run or is absent; then how times were taken."""
-    lines = [f"{key}: does not apply: {c.refused}" for key, c in measured.curves.items() if c.refused]
+    lines = list[str]()
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
         lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in by_remark.items()]
     lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
     absent = _grouped(((name.split(" | ")[1], why), name.split(" | ")[0]) for name, why in measured.absent.items())
     lines += [f"no times ({_LABELS[kind]}) for {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
-    marked = (name.split(" | ") for name, timing in measured.timings.items() if timing.remark)
+    over = Counter(name.split(" | ")[0] for name, timing in measured.timings.items() if timing.remark[:6] == "about ")
+    if over:
+        counts = ", ".join(f"{key} {count}" for key, count in over.items())
+        lines.append(f"not timed, being longer than {study.limit:g} s (--time-limit): points of {counts}")
+
+    marked = (name.split(" | ") for name, t in measured.timings.items() if t.remark and t.remark[:6] != "about ")
     untimed = _grouped((f"{key} ({_LABELS[kind]})", setting) for key, kind, setting in marked)
     lines += [f"not timed: {whose} at {', '.join(settings)}" for whose, settings in untimed.items()]
     spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
@@ -286,7 +303,10 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")
-    lines.append("Evaluations are counted as made, even if a step begins by repeating the last one of the step before.")
+    lines.append("Evaluations are those of f, as made, even if a step begins by repeating the last of the step before;")
+    lines.append("Jacobian matrices are not among them: they are computed by formulas.")
+    if any(key.endswith(" controlled") for key in measured.curves):
+        lines.append("controlled: each step's error estimate is within tolerance (1 + |y|) in every component.")
     asked = study.question()
     lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
     return lines

@@ -17,7 +17,7 @@ from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_valu
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.multistep_runs import StartedMultistep
 from driftproof.enclosure.numbers import Enclosed, Evaluation
-from driftproof.enclosure.problem_tables import ProblemTable, problem_table
+from driftproof.enclosure.problem_tables import ProblemTable, problem_table, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
@@ -26,7 +26,7 @@ from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
-from driftproof.support.toml_tables import TomlTable, as_table, read_toml
+from driftproof.support.toml_tables import read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
@@ -308,16 +308,9 @@ def problem_of_name(name: str, parameters: Mapping[str, Fraction]) -> ProblemTab
 
     Raises ValueError if there is none, or no such parameter.
     """
-
-    def changed(table: TomlTable) -> ProblemTable:
-        held = as_table(table.get("parameters", {}), "parameters")
-        if others := [each for each in parameters if each not in held]:
-            has = f"; {name} has {', '.join(held)}" if held else f"; {name} has none"
-            raise ValueError(f"{others[0]!r} is neither a setting nor a parameter{has}")
-        return problem_table({**table, "parameters": held | {each: str(x) for each, x in parameters.items()}})
-
     if name.endswith(".toml"):
-        return read_toml(file_named(name), LONGEST_PROBLEM, changed if parameters else problem_table)
+        changed = lambda table: problem_table(with_parameters(table, parameters, name))
+        return read_toml(file_named(name), LONGEST_PROBLEM, changed)
     from driftproof.numeric.problems.catalogue import problem_named
 
     problem = problem_named(name)

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
 from driftproof.methods.names import EASILY_CONFUSED, also_known_as
+from driftproof.symbolic.known_methods import known_as
 from driftproof.texts.writing.facts import fact_text, facts_text
 
 # Heading, then fact | its label, for readers who may not know its name. The oscillator is q' = v, v' = -q.
@@ -107,9 +108,13 @@ def _is_shown(name: str, value: Any, facts: Mapping[str, Any]) -> bool:
 
 
 def _called(named: Mapping[str, Any], method: Any) -> dict[str, Any]:
-    """The group with other names of a method of the catalogue, and methods not to confuse it with, at its end."""
+    """The group with other names of a method of the catalogue, and methods not to confuse it with, at its end.
+
+    Of a table that is none, with the method that it is, or is but for a few coefficients.
+    """
     if method not in (METHODS.get(fact_text(method)), FACTS_ONLY.get(fact_text(method))):
-        return dict(named)
+        known = known_as(method) if isinstance(method, Entry) else None
+        return {**named, **({"in the catalogue": known.words} if known and (known.methods or known.near) else {})}
     names, others = also_known_as(method.key), EASILY_CONFUSED.get(method.key, ())
     called = {"also called": ", ".join(names), "not to be confused with": ", ".join(others)}
     return {**named, **{word: keys for word, keys in called.items() if keys}}

@@ -43,7 +43,10 @@ def test_groups_have_plain_words_and_all_has_every_fact(key):
 def test_a_method_has_its_other_names_and_one_of_somebody_has_not_ours():
     assert "  also called                           RK4, Runge-Kutta, " in shown(METHODS["rk4"])
     assert "  not to be confused with               rk38" in shown(METHODS["rk4"])
-    assert "also called" not in shown(replace(METHODS["rk38"], key="rk4"))
+    copied = shown(replace(METHODS["rk38"], key="rk4"))
+    assert "also called" not in copied
+    assert "  in the catalogue                      rk38\n" in copied
+    assert "in the catalogue" not in shown(METHODS["rk4"]) + shown(METHODS["fehlberg45_embedded"])
 
 
 def test_an_order_that_is_claimed_and_missed_is_shown_and_one_that_is_met_is_not():
