@@ -33,6 +33,10 @@ class WrongShape(Misbehaviour):
     kind = "wrong_shape"
 
 
+class PositionsAlone(WrongShape):
+    """A run returns its positions without velocities."""
+
+
 class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 

@@ -12,7 +12,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, OwnClock, StaleSlope, WrongShape
+from driftproof.blackbox.findings import (
+    BadInput,
+    Exchanged,
+    Increment,
+    Misbehaviour,
+    OwnClock,
+    PositionsAlone,
+    StaleSlope,
+    WrongShape,
+)
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
@@ -26,7 +35,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper, owner_of
 from driftproof.blackbox.stepper.plain_forms import plain_forms
@@ -117,6 +126,8 @@ def opened(
     if found := systems if systems and not _stands_still(systems) else found:
         return found
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
+    if any(isinstance(failure, PositionsAlone) for failure in failures):
+        line = positions_wrapper(given)
     if line:
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
@@ -256,6 +267,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
         if np.array_equal(two, end) or [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]:
             raise WrongShape("a run of two steps ends where one of one step does, or moves more numbers")
+    if subject.convention.run and calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]:
+        trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
@@ -18,6 +19,8 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, 
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
+# Endings of the names of new values.
+_NEW = re.compile("_?(new|next|out|1)$")
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
@@ -163,6 +166,19 @@ def part_pair(answer: Foreign) -> Foreign:
 def clock_of(record: Foreign) -> Foreign:
     """The time in a record; None if it has none."""
     return next((x for name, x in parts_of(record).items() if _role(str(name)) == calling.TIME), None)
+
+
+def in_parts(answer: Foreign) -> Foreign:
+    """The time, the state and the error that an answer of named parts holds, as a tuple; any other answer as it is.
+
+    >>> in_parts({"y_new": 1.5, "err": 0.25, "nfev": 6})
+    (1.5, 0.25)
+    """
+    named = parts_of(answer) or ({} if hasattr(answer, "__array__") else getattr(answer, "__dict__", {}))
+    roles = {name: calling.role_of(_NEW.sub("", name), (calling.STATE, calling.TIME)) for name in map(str, named)}
+    found = [[named[x] for x, role in roles.items() if role == each][:1] for each in (calling.TIME, calling.STATE)]
+    errors = [x for name, x in named.items() if "err" in str(name).lower()][:1]
+    return (*found[0], *found[1], *errors) if found[1] else answer
 
 
 def goes_on(before: float, after: float, h: float) -> bool:
