@@ -45,7 +45,7 @@ def class_run_wrapper(cls: type) -> str:
     if (run := run_of_class(cls)) is None:
         return ""
     if any(calling.word_of(each) in (*calling.TOLERANCE_NAMES[0], "tol") for each in calling.parameters_of(cls) or ()):
-        return f"identify_solver({name_of(cls)}), for a whole solver"
+        return f"identify_solver({name_of(cls)}), on the command line --solver, for a whole solver"
     return stated_first(run_wrapper(run, calling.required_names(run) or []))
 
 

@@ -89,7 +89,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
     if (names := names_with_step(step)) is None:
         return ""
     if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
-        return f"identify_solver({name_of(step)}), for a whole solver"
+        return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
     by_position = next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION))
     by_momentum = _named(names, _BY_MOMENTUM)
     if by_position is not None and by_momentum is not None:

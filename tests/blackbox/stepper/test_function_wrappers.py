@@ -17,7 +17,7 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
     def solve(f, t_span, y0, rtol, atol):
         return None
 
-    assert wrapper_line(solve) == ": identify_solver(solve), for a whole solver"
+    assert wrapper_line(solve) == ": identify_solver(solve), on the command line --solver, for a whole solver"
     assert wrapper_line(max) == ""
     for step in (lambda q, h, mesh: None, lambda p, h, mesh: None, lambda y, h, mesh: None):
         assert "([q, v], h, MESH)" in wrapper_line(step)
