@@ -69,9 +69,7 @@ def identify_command(options: Namespace) -> str:
 
 
 @cli.command(
-    *TARGET,
-    SOLVER_OPTION,
-    METHOD_OPTION("a key that `driftproof methods` lists, a .toml file, or boris", required=True),
+    *TARGET, SOLVER_OPTION, METHOD_OPTION("a key of `driftproof methods`, a .toml file, or boris", required=True)
 )
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
@@ -85,8 +83,7 @@ def verify_command(options: Namespace) -> str:
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
       driftproof verify mylib.ode:solve --solver --method dormand_prince54
 
-    A solver agrees if it advances that method and has no fault of its clock or its tolerances; what it does where f is
-    NaN is a remark.
+    A solver agrees if it advances that method and has no fault, of its clock or its tolerances, say.
     exit status: 0 if it agrees, 1 if it does not, 2 if the input is wrong, 3 if the verdict is undecided: the report
     then says what was not tested, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.

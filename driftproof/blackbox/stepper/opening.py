@@ -12,16 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import (
-    BadInput,
-    Exchanged,
-    Increment,
-    Misbehaviour,
-    OwnClock,
-    PositionsAlone,
-    StaleSlope,
-    WrongShape,
-)
+from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, OwnClock, StaleSlope, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
@@ -126,7 +117,7 @@ def opened(
     if found := systems if systems and not _stands_still(systems) else found:
         return found
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
-    if any(isinstance(failure, PositionsAlone) for failure in failures):
+    if any(failure.kind == "positions_alone" for failure in failures):
         line = positions_wrapper(given)
     if line:
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
