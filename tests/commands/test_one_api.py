@@ -163,11 +163,7 @@ FILES = {
     ".npz": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
     ".toml": [
         *("read_method(PATH)", "facts(PATH)", "derive(PATH)", "roundoff(PATH)", "step(PATH, 1)", "run(PATH, 1, 1)"),
-        *(
-            "verify(min, PATH)",
-            "assert_verified(min, PATH)",
-            "certify('y1; -y0', RUN, method=PATH)",
-        ),
+        *("verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
         *("certify(str(PATH), RUN)", "read_scene(PATH)", "scene(PATH)", "sweep(PATH)", "report(PATH)"),
         *("stability(PATH)", "stability('kepler', PATH)", "work_precision(PATH)", "work_precision('kepler', PATH)"),
         *("identify_solver(min, PATH)", "check(RUN, PATH)", "assert_text(RUN, PATH)", "scene('compare', methods=PATH)"),

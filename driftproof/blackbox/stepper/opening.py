@@ -34,7 +34,14 @@ from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
+from driftproof.blackbox.stepper.wrappers import (
+    exchange_wrapper,
+    increment_wrapper,
+    negation_wrapper,
+    template,
+    uncalled,
+    wrapper_line,
+)
 from driftproof.support.environment import imported_object
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
@@ -193,8 +200,8 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     convention = subject.convention
     try:
         return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
-    except Misbehaviour:
-        if convention.run:
+    except Misbehaviour as failure:
+        if convention.run and not isinstance(failure, Exchanged):
             with suppress(Misbehaviour):
                 longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
                 return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
@@ -279,6 +286,9 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         ends = trial(subject, _TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=_NEAR) for x in ends] == [True, False]:
             return _after_trial(_with_velocity_first(subject), trial)
+    turned = read_as.kind == calling.FORCE and end[1] < 0 and trial(subject, _TINY)
+    if turned and np.allclose(turned, np.array(TRIAL_STATE) * (1, -1), rtol=0, atol=_NEAR):
+        raise Exchanged(f"it returns (q1, -v1), the velocity turned around{negation_wrapper(subject)}")
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < _NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")

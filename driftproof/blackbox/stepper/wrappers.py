@@ -87,6 +87,12 @@ def exchange_wrapper(subject: ForeignStepper) -> str:
     return _of_call(subject, "v1, q1 = {}; return q1, v1", function="force")
 
 
+def negation_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper that turns the velocity of a sampler's step around."""
+    given = {calling.FUNCTION: "lambda x: -force(x)"} if subject.convention.factor < 0 else {}
+    return _of_call(subject, "q1, v1 = {}; return q1, -v1", "force", given)
+
+
 def turn_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that puts the velocity first in a state of one array, in the argument and in the answer."""
     body = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2); return turn({})"
@@ -100,5 +106,8 @@ def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Map
     names = {**ARGUMENTS, calling.FUNCTION: function}
     order = [role for role in subject.convention.order if role in names]
     passed = names | dict(given or {})
-    call = f"{name_of(subject.function)}({', '.join(passed[role] for role in order)})"
+    texts, named = [passed[role] for role in order], subject.convention.names
+    texts = [f"{name}={text}" for name, text in zip(named, texts, strict=False)] if named else texts
+    texts += [f"{name}={x:g}" for name, x in subject.convention.extra.items()]
+    call = f"{name_of(subject.function)}({', '.join(texts)})"
     return f"; write: def wrapped({', '.join(names[role] for role in order)}): {body.format(call)}"
