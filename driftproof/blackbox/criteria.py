@@ -14,7 +14,7 @@ from driftproof.blackbox.judging.agreement import Agreement, several_together
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.other_parameters import other_parameters
-from driftproof.blackbox.judging.own_system import OwnSystem, rounding_of
+from driftproof.blackbox.judging.own_system import AsOnOwnSystem, OwnSystem, rounding_of
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.walks import back_and_on, walked
@@ -31,11 +31,12 @@ from driftproof.blackbox.report import Criterion
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 
+_ARGUMENT = "a right-hand side or a force among its arguments: step(f, t, y, h) or step(force, q, v, h)"
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
     "crashes": "a step that leaves its process, and the pipes of it, alone",
-    OwnSystem.kind: "a right-hand side or a force among its arguments: step(f, t, y, h) or step(force, q, v, h)",
+    **dict.fromkeys((OwnSystem.kind, AsOnOwnSystem.kind), _ARGUMENT),
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.

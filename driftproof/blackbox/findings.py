@@ -33,6 +33,12 @@ class WrongShape(Misbehaviour):
     kind = "wrong_shape"
 
 
+class PositionsAlone(WrongShape):
+    """A run returns its positions without velocities."""
+
+    kind = "positions_alone"
+
+
 class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 

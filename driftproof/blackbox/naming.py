@@ -29,6 +29,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.support.plain_text import counted
 
+# Of the methods that agree on a system of its own so many are named, as on a constant force, which many solve exactly.
+_MOST_NAMED = 4
+
 
 class Recognised(NamedTuple):
     """The coefficients read, the methods that have them, and their order; `untimed` ignores the nodes."""
@@ -196,9 +199,9 @@ class Seen:
         if self.own is not None and self.own.keys == ():
             return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {self.own.system}, and on it its steps are those of no method")
         if self.own is not None:
-            alike = (
-                f"on it its steps are those of {' or '.join(self.own.keys)}" if self.own.keys else "verify shows more"
-            )
+            first, more = (self.own.keys or ())[:_MOST_NAMED], len(self.own.keys or ()) - _MOST_NAMED
+            names = f"{' or '.join(first)}{f' or {more} more methods' * (more > 0)}"
+            alike = f"on it its steps are those of {names}" if first else "verify shows more"
             return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {self.own.system}: {alike}", self.own.keys or ())
         return Naming(Basis.UNKNOWN, NOT_KNOWN if found is None else found.verdict)
 

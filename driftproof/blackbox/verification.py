@@ -14,7 +14,7 @@ from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFindin
 from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
-from driftproof.blackbox.judging.own_system import NotOnOwnSystem
+from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NotOnOwnSystem
 from driftproof.blackbox.matching.candidates import EXCHANGED, OTHER_KIND
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -77,6 +77,8 @@ class Verification:
         """The verdict if no criterion failed: what agrees, or what is undecided."""
         key, found = self.method.key, self.rounding
         if self._open:
+            if self.outcomes[criteria.ROUNDING].kind == AsOnOwnSystem.kind:
+                return self.outcomes[criteria.ROUNDING].seen
             unseen = min(self._open, key=lambda check: check.mark != "undecided")
             what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
             return f"{UNDECIDED} whether it is {key}: {what}{unseen.lines[-1]}"

@@ -29,6 +29,7 @@ TARGET = (
     cli.flag("--flush-to-zero", "allow subnormal numbers to become 0"),
     cli.option("--solver-tolerance", "accuracy of implicit stages, e.g. 1e-10", type=cli.exactly("solver tolerance")),
 )
+SOLVER_OPTION = cli.flag("--solver", "examine a whole solver: solve(f, t_span, y0, rtol, atol) -> (t, y)")
 METHOD_OPTION = partial(cli.option, "--method")
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
@@ -36,13 +37,7 @@ WITH_A_METHOD = ("examples", "extremes", "largest_step", "largest_state", *ALLOW
 WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 
 
-@cli.command(
-    *TARGET,
-    cli.one_of(
-        cli.flag("--solver", "examine a whole solver: solve(f, t_span, y0, rtol, atol) -> (t, y)"),
-        METHOD_OPTION("compare the stepper with this method, as `driftproof verify` does"),
-    ),
-)
+@cli.command(*TARGET, SOLVER_OPTION, METHOD_OPTION("compare the stepper with this method, as `driftproof verify` does"))
 def identify_command(options: Namespace) -> str:
     """Examine a stepper as a black box and say which method it is, of which order, and what else it does.
 
@@ -71,16 +66,12 @@ def identify_command(options: Namespace) -> str:
     exit status: 0 if the stepper is named, 1 if it is no known method, 2 if the input is wrong, 3 if it is undecided.
     Faults change nothing of that: a test of a solver holds identify_solver(solve).data["faults"] to what is allowed.
     """
-    if not options.solver:
-        return _examined(options)
-    from driftproof.blackbox.solvers.identify_solver import identify_solver
-
-    cli.refuse(options, WITH_A_STEPPER, "with --solver")
-    report = identify_solver(options.step, time_limit=options.time_limit)
-    return _written(report, report.answered, options)
+    return _examined(options)
 
 
-@cli.command(*TARGET, METHOD_OPTION("a key that `driftproof methods` lists, a .toml file, or boris", required=True))
+@cli.command(
+    *TARGET, SOLVER_OPTION, METHOD_OPTION("a key of `driftproof methods`, a .toml file, or boris", required=True)
+)
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
     The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
@@ -91,7 +82,9 @@ def verify_command(options: Namespace) -> str:
       driftproof verify mylib.integrators:step --method velocity_verlet
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
+      driftproof verify mylib.ode:solve --solver --method dormand_prince54
 
+    A solver agrees if it advances that method and has no fault, of its clock or its tolerances, say.
     exit status: 0 if it agrees, 1 if it does not, 2 if the input is wrong, 3 if the verdict is undecided: the report
     then says what was not tested, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.
@@ -101,6 +94,12 @@ def verify_command(options: Namespace) -> str:
 
 def _examined(options: Namespace) -> str:
     """The report of `identify`, or of `verify` if a method is given. Raises Refuted, Undecided or ValueError."""
+    if options.solver:
+        from driftproof.blackbox.solvers.identify_solver import identify_solver
+
+        cli.refuse(options, WITH_A_STEPPER, "with --solver")
+        report = identify_solver(options.step, options.method, time_limit=options.time_limit)
+        return _written(report, report.passed if options.method else report.answered, options)
     from driftproof.blackbox.identify import identify
     from driftproof.blackbox.judging.agreement import EXAMPLES
     from driftproof.blackbox.judging.specification import Allowance, Domain

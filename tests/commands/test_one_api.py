@@ -167,7 +167,7 @@ FILES = {
         *("identify(PATH)", "verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
         *("certify(str(PATH), RUN)", "read_scene(PATH)", "scene(PATH)", "sweep(PATH)", "report(PATH)"),
         *("stability(PATH)", "stability('kepler', PATH)", "work_precision(PATH)", "work_precision('kepler', PATH)"),
-        *("check(RUN, PATH)", "assert_text(RUN, PATH)", "scene('compare', methods=PATH)"),
+        *("identify_solver(min, PATH)", "check(RUN, PATH)", "assert_text(RUN, PATH)", "scene('compare', methods=PATH)"),
     ],
     ".md": ["check(PATH)", "check(PATH, init=True)"],
     ".md.j2": ["render(PATH)"],

@@ -46,8 +46,9 @@ def test_report_is_in_the_format_asked_for(command, run, monkeypatch):
     assert run(command, "mine:step", *words, "--format", "markdown") == (not Report.passed, "as markdown\n", "")
     if words:
         assert run("identify", "mine:step", *words) == (1, "as text\n", "")
-    monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.identify_solver", lambda step, time_limit: Report)
+    monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.identify_solver", lambda *_, time_limit: Report)
     assert run("identify", "mine:solve", "--solver") == (not Report.answered, "as text\n", "")
+    assert run("verify", "mine:solve", "--solver", "--method", "rk4") == (not Report.passed, "as text\n", "")
 
 
 @pytest.mark.parametrize(("answered", "status"), [(True, 0), (False, 1), (None, 3)])
@@ -77,7 +78,8 @@ REFUSED = {
     ("identify",): "required: MODULE:STEP",
     ("identify", "os"): "'os' names no stepper; write package.module:function",
     ("verify", "os:getcwd"): "required: --method",
-    ("identify", "os:getcwd", "--solver", "--method", "rk4"): "not allowed with argument --solver",
+    ("verify", "os:getcwd", "--solver", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or ",
+    ("verify", "os:getcwd", "--solver", "--method", "rk4", "--examples", "9"): "--examples has no effect with --solver",
     ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero has no effect without --method",
     ("identify", "os:getcwd", "--solver-tolerance", "0"): "--solver-tolerance has no effect without --method",
     ("identify", "os:getcwd", "--largest-step", "1"): "--largest-step has no effect without --method",

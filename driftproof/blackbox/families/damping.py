@@ -186,6 +186,8 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
 
 def _area_factor(subject: ForeignStepper, h: float) -> Array:
     """The determinant of a linear step. Raises NotReadable if the step is not linear, or its shortest step long."""
+    if any(subject.step(0.0, 0.0, h)):
+        raise NotReadable("the step is not linear: a force acts at rest in (0, 0)")
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
     if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > _rounding(subject).of(size):

@@ -114,6 +114,8 @@ class MultistepReading:
             found.append(f"it is not consistent: {what}")
         if self.recurrence.asked and self.recurrence.predictor is None and not own.sigma[-1]:
             found.append(self.recurrence.asked)
+        elif self.recurrence.asked and facts and self.start and not found and (self.start.order or 9) < facts.order:
+            found.append(f"{order_seen(self.start.order)} in whole runs, not {facts.order}")
         return found
 
     @property

@@ -38,6 +38,11 @@ _WINDOWS = (_LATER, slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
 ONE_SIZE = "only steps of one size were tested"
 # A method that differs in more coefficients than this is another one.
 _FEW_DIFFERENCES = 2
+# The correctors of one step, by their sigma.
+_OF_ONE_STEP: dict[tuple[Fraction, ...], str] = {
+    (Fraction(1, 2), Fraction(1, 2)): "trapezoid",
+    (Fraction(0), Fraction(1)): "backward_euler",
+}
 FORWARD_EULER = Multistep(
     "forward_euler", "Forward Euler", 1, "", rho=(Fraction(-1), Fraction(1)), sigma=(Fraction(1), Fraction(0))
 )
@@ -159,12 +164,14 @@ class RecurrenceReading:
     def name(self) -> str:
         """The method in words, or what is known of it."""
         k = self.recurrence.steps
-        if self.method is not None and self.predictor is not None:
+        own = self.recurrence.exact if k == 1 and self.asked else None
+        key = self.method.key if self.method is not None else own and _OF_ONE_STEP.get(own.sigma)
+        if key and self.predictor is not None:
             often = "once" if self.corrections == 1 else f"{self.corrections} times"
             mode = f"P{'EC' * self.corrections}E"
-            return f"{self.method.key}, corrected {often} from the prediction of {self.predictor.key} ({mode})"
-        if self.method is not None:
-            return self.method.key + (f", but {self.asked}" if self.asked else "")
+            return f"{key}, corrected {often} from the prediction of {self.predictor.key} ({mode})"
+        if key:
+            return f"{key}, but {self.asked}" if self.asked else key
         if self.untimed is not None:
             return f"{self.untimed.key} called at wrong times: it is that method only where F does not depend on t"
         if self.near:

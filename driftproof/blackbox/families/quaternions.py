@@ -103,7 +103,7 @@ class QuaternionReading:
     def criteria(self, method: object) -> list[Criterion]:
         """The criteria of a method: the rotation, and a rate without faults."""
         rate = tuple(self.faults) or (f"that of q' = {self.product.replace(' (', '/2 (')}",)
-        return [self.turn.held_to(method), Criterion("Rate", not self.faults, rate, {})]
+        return [self.turn.held_to(method, self.normalised), Criterion("Rate", not self.faults, rate, {})]
 
 
 def read_quaternion(subject: ForeignStepper) -> QuaternionReading:

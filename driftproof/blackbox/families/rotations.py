@@ -81,12 +81,14 @@ class Turn:
         made += f" in {self.parts} equal parts" if self.parts > 1 else ""
         return f"{made} at {_TIMES[self.times]}" if self.times not in (1.0, -1.0) else made
 
-    def held_to(self, method: object) -> Criterion:
-        """The criterion that R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle."""
+    def held_to(self, method: object, made_one: bool = False) -> Criterion:
+        """The criterion that R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle, or has its angle."""
         if not isinstance(method, RungeKutta | Collocation):
             words = "a splitting or a Nyström method does not rotate vectors"
             return Criterion("Rotation", False, (words,), {})
         said = [factors_of(method, 1j * x)[0] for x in TURN_ANGLES]
+        if made_one and self.method == method.key:  # of two methods that are then the same, the one that it is called
+            said = [s / abs(s) for s in said]
         off = [abs(r - s) / (1 + abs(s)) for r, s in zip(self.factors, said, strict=True)]
         worst = int(np.argmax(off))
         same = bool(off[worst] <= Rounding(self.rounding.format, method.stages + self.rounding.calls).of(4.0))

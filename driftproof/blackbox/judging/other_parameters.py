@@ -12,17 +12,7 @@ from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedC
 from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.stepper.calling_conventions import (
-    FORCE,
-    MAP,
-    MASSES,
-    MOMENTA,
-    STATE,
-    STIFFNESSES,
-    UNIT_PARAMETERS,
-    parameters_of,
-    word_of,
-)
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 
@@ -77,7 +67,7 @@ class _Reading(NamedTuple):
 
 def _optional(subject: ForeignStepper) -> dict[str, Any]:
     """The parameters with a default, by name, without those that are passed."""
-    given, parameters = subject.convention.names, (parameters_of(subject.function) or {}).values()
+    given, parameters = subject.convention.names, (calling.parameters_of(subject.function) or {}).values()
     return {p.name: p.default for p in parameters if p.default is not p.empty and p.name not in given}
 
 
@@ -90,11 +80,11 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     found, adapter = subject.convention, subject.adapter
     named = {float: 1, int: 2}  # the fewest letters: m = 1 may count something
     ones = [n for n, x in _optional(subject).items() if len(n) >= named.get(type(x), inf) and x == 1]
-    given = {name: word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
-    masses = [name for name, word in given.items() if word in MASSES]
-    others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
-    names = {*(parameters_of(subject.function) or ()), *adapter.parts}
-    momentum = bool(masses and (names & {*MOMENTA} or (STATE in found.order and not adapter.parts)))
+    given = {name: calling.word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
+    masses = [name for name, word in given.items() if word in calling.MASSES]
+    others = {name: word for name, word in given.items() if word in calling.UNIT_PARAMETERS and name not in masses}
+    names = {*(calling.parameters_of(subject.function) or ()), *adapter.parts}
+    momentum = bool(masses and (names & {*calling.MOMENTA} or (calling.STATE in found.order and not adapter.parts)))
 
     def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
         held = {name: x for name, x in values.items() if name in adapter.parameters}
@@ -103,7 +93,7 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
         changed = adapter.with_parameters(held) if held and adapter.with_parameters else adapter
         return _Reading(values, replace(subject, convention=convention, adapter=changed), rate, scale)
 
-    if found.kind == FORCE and masses:
+    if found.kind == calling.FORCE and masses:
         if masses[0] in found.extra:
             mass = found.extra[masses[0]] / 4
             convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
@@ -111,14 +101,14 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
         else:
             sizes = (1.0, *[2.0] * momentum)
             yield [reading({masses[0]: 2.0}, 1.0, scale, factor) for factor in (2.0, 1.0) for scale in sizes]
-    elif found.kind == MAP and (masses or others):
+    elif found.kind == calling.MAP and (masses or others):
         mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
         values = dict.fromkeys(masses, mass) | {
-            x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()
+            x: 4 * mass if word in calling.STIFFNESSES else 2.0 for x, word in others.items()
         }
         scales = [(rate, rate * m) for rate in rates for m in (1.0, *[mass] * momentum)]
         yield [reading(values, *each) for each in scales]
-        if masses and {*others.values()} <= {*STIFFNESSES}:  # whole numbers, whose quotient is 1/4
+        if masses and {*others.values()} <= {*calling.STIFFNESSES}:  # whole numbers, whose quotient is 1/4
             heavy, rates = (8, (0.5,)) if others else (4, rates)
             whole = dict.fromkeys(masses, heavy) | dict.fromkeys(others, 2)
             yield [reading(whole, rate, rate * m) for rate in rates for m in (1.0, *[heavy] * momentum)]

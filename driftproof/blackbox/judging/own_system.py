@@ -48,6 +48,12 @@ class OwnSystem(Misbehaviour):
     kind = "own_system"
 
 
+class AsOnOwnSystem(OwnSystem):
+    """The steps of a stepper are those of the method on the system that it has built in; no more of it is seen."""
+
+    kind = "as_on_own_system"
+
+
 class NotOnOwnSystem(Misbehaviour):
     """The steps of a stepper are not those of the method on the system that it has built in."""
 
@@ -211,6 +217,7 @@ class OwnSteps:
             return "another one"
         text = ", ".join(f"{name}' = {_sum_text(row)}" for name, row in zip("qv", rows.tolist(), strict=True))
         linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
+        text += ", a constant force" * (linear and text.startswith("q' = v") and not set(text[11:]) & set("qv"))
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
 
     def compare(self, wanted: Specification) -> None:
@@ -221,8 +228,8 @@ class OwnSteps:
         except MethodError as why:
             raise OwnSystem(f"{system}: steps of {key} on it are not known: {why}") from None
         if not far:
-            near = f"{off:.0e}" if off else "the last digit"
-            raise OwnSystem(f"{system}: on it its steps are those of {key}, to {near}")
+            on_it = f"is {key} on its own system ({self._words}), to {f'{off:.0e}' if off else 'the last digit'}"
+            raise AsOnOwnSystem(f"{on_it}; with another force it cannot be tried")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def off(self, wanted: Specification) -> tuple[float, str]:

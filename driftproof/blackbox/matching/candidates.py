@@ -196,6 +196,9 @@ def _resized(
     for times in range(2, MOST_REPEATED + 1):
         if times * stages - calls in range(times):
             yield f"{times} steps of h/{times}", repeated, times
+            if factor == times:
+                whole = lambda table, by: scaled(repeated(table, by), Fraction(by))
+                yield f"{times} steps of h each instead of h/{times}", whole, times
 
 
 def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:

@@ -35,6 +35,8 @@ USUAL = 128
 _TIMES = ("t", "ts", "times", "time")
 _STATES = ("y", "ys", "u", "x", "states")
 _DENSE = ("sol", "dense", "interpolation")
+# No attempt of a step in use makes more calls.
+_OF_ATTEMPTS = 32
 
 
 class DoesNotEnd(Misbehaviour):
@@ -138,7 +140,8 @@ def _require_end(calls: Sequence[Call], t_span: tuple[float, float]) -> None:
     An error per unit of time asks a method of low order for a million steps at the tolerances in use.
     """
     if len(calls) >= MOST_CALLS_OF_A_RUN:
-        at, before = calls[-1].t, calls[3 * len(calls) // 4].t
+        parts = (calls[n - _OF_ATTEMPTS : n] for n in (len(calls), 3 * len(calls) // 4))
+        at, before = (max((call.t for call in part), key=lambda t: abs(t - t_span[0])) for part in parts)
         slow = 400 * abs(at - before) > abs(at - t_span[0]) and min(t_span) <= at <= max(t_span)
         words = f"after {len(calls)} calls of f it is at t = {at:.6g} of {t_span}"
         raise TooSlow(words) if slow else DoesNotEnd(words)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepRaised, WrongShape
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
+from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, without_duplicates
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
@@ -15,6 +17,10 @@ from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
+from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.families import Family
+from driftproof.methods.schemes import Method
+from driftproof.methods.tableau_file import method_of, subject_of
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
@@ -24,7 +30,13 @@ _WHAT_TO_DO = {
 }
 
 
-def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME_LIMIT, isolate: bool = True) -> Report:
+def identify_solver(
+    solve: Callable[..., Any] | str,
+    method: str | Path | Method | FactsOnly | None = None,
+    *,
+    time_limit: float = TIME_LIMIT,
+    isolate: bool = True,
+) -> Report:
     """Identify the method that a solver advances, the law of its step sizes, and faults of its clock and tolerances.
 
     `solve(f, t_span, y0, rtol, atol)`, a callable or "package.module:name", returns (t, y), or an object with t and y,
@@ -32,7 +44,9 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     size as h or dt, a number of steps as n or steps, or nothing. The tableau of its steps is read through marked
     answers, up to a few roundings; of multistep methods, the recurrence and the start are read. The step size control
     and runs with known solutions are measured, and the report says so. A test may hold that `report.data["faults"]` is
-    empty. Raises ValueError if the solver cannot be imported or does not solve y' = 0.
+    empty. With a `method`, its `passed` is True if the solver advances that and has no fault but where f is NaN, False
+    if it does not or has one, and None if its steps are not read. Raises ValueError if the solver cannot be imported or
+    does not solve y' = 0, and for what is no method.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -45,13 +59,16 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     >>> print(report.verdict.partition(";")[0])
     it advances forward_euler, of order 1
     """
+    wanted = None if method is None else subject_of(method)
+    if isinstance(wanted, Family):
+        wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
     steps, controller, runs = runner.run([_steps, _controlled, read_runs])
     if steps.kind == "bad_input":
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
-    return Report(
+    report = Report(
         runner.target.name,
         _verdict(steps, controller, runs),
         None,
@@ -64,6 +81,31 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
+    return report if wanted is None else _held(report, steps.result, wanted, _faults(steps, controller, runs))
+
+
+def _held(
+    report: Report, steps: SolverSteps | SolverMemory | None, method: Method | FactsOnly, faults: Sequence[str]
+) -> Report:
+    """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
+
+    What it does where f is NaN is no part of a method.
+    """
+    if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
+        passed = False if report.answered is False else None
+        verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
+        return replace(report, verdict=verdict, passed=passed)
+    if isinstance(steps, SolverMemory):
+        same = steps.key == method.key
+    else:
+        same = isinstance(method, Method) and bool(match_method(steps.reading, method).matches)
+    if not same:
+        return replace(report, verdict=f"is not {method.key}; {report.verdict}", passed=False)
+    of_numbers = [each for each in faults if not each.startswith("where f ")]
+    if of_numbers:
+        return replace(report, verdict=f"is {method.key}, but {'; '.join(of_numbers)}", passed=False)
+    remarks = [f"; remark: {each}" for each in faults]
+    return replace(report, verdict=f"is {method.key}{''.join(remarks)}", passed=True)
 
 
 def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:

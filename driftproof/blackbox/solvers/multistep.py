@@ -50,6 +50,7 @@ class SolverMemory:
     faults: tuple[str, ...] = ()
     settled: bool = True
     dense: None = None
+    key: str | None = None  # of the catalogue, if it is one without changes
 
 
 def read_memory(subject: ForeignSolver) -> SolverMemory:
@@ -68,7 +69,8 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
     begun = f", started by {reading.start.name}" if reading.start is not None and reading.start.name else ""
     lines = [line for _, part in reading.parts for line in part]
     settled = not reading.recurrence.asked or reading.recurrence.predictor is not None
-    return SolverMemory(reading.recurrence.name + begun, order, tuple(lines), tuple(reading.faults), settled)
+    name, faults = reading.recurrence.name + begun, tuple(reading.faults)
+    return SolverMemory(name, order, tuple(lines), faults, settled, key=reading.key)
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.stepper.calling_conventions import (
-    COUNTS,
-    FIELD,
-    FORCE,
-    FUNCTION,
-    POSITION,
-    VELOCITY,
-    names_with_step,
-    stand_in,
-    word_of,
-)
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.function_wrappers import (
     TRIAL_ARGUMENTS,
     arguments_by_role,
@@ -45,14 +35,14 @@ def asked_step(step: Callable[..., Any]) -> Callable[..., Any] | None:
     >>> print(asked_step(euler)(1.0, 0.5, lambda x: -x))
     0.5
     """
-    names = [] if inspect.isclass(step) else names_with_step(step) or []
-    kind = FORCE if {POSITION, VELOCITY} <= {*map(plain_role, names)} else FIELD
-    usual = [each for each in names if plain_role(each) == FUNCTION]
+    names = [] if inspect.isclass(step) else calling.names_with_step(step) or []
+    kind = calling.FORCE if {calling.POSITION, calling.VELOCITY} <= {*map(plain_role, names)} else calling.FIELD
+    usual = [each for each in names if plain_role(each) == calling.FUNCTION]
     others = [each for each in names if each not in arguments_by_role(names, kind)]
     for function, value in product(usual or others, (None, 0.0)):
         known = {each: each for each in names if each not in others} | {function: (*usual, function_of(kind))[0]}
-        counts = [each for each in others if each != function and word_of(each) in COUNTS]
-        known |= {each: each for each in counts if kind == FIELD}
+        counts = [each for each in others if each != function and calling.word_of(each) in calling.COUNTS]
+        known |= {each: each for each in counts if kind == calling.FIELD}
         inputs = {each: 1 if each in counts else value for each in names if each not in known}
         if value is None or inputs.keys() <= {*_INPUTS}:
             with suppress(Exception):
@@ -65,16 +55,16 @@ def _asked(
     step: Callable[..., Any], names: list[str], known: dict[str, str], inputs: dict[str, Any], kind: str
 ) -> Callable[..., Any] | None:
     """The step of what is `known`, by its usual name, after a trial; None if its function is not called, or usual."""
-    (function,) = (each for each, name in known.items() if plain_role(name) == FUNCTION)
+    (function,) = (each for each, name in known.items() if plain_role(name) == calling.FUNCTION)
     given, asked = arguments_by_role([*known.values()], kind), list[tuple[Any, ...]]()
     trial = {**TRIAL_ARGUMENTS, "t": _AT, "t + h": _AT + _LONG, "h": _LONG}
-    size = np.size(trial["y" if kind == FIELD else "q"])
+    size = np.size(trial["y" if kind == calling.FIELD else "q"])
 
     def places(x: tuple[Any, ...]) -> tuple[int, ...]:
         """The places of the time, if there is one, and of the state."""
         state = next(i for i, each in enumerate(x) if np.size(each) == size and each is not None)
         times = [i for i, each in enumerate(x) if i != state and isinstance(each, float) and _AT <= each <= _AT + _LONG]
-        return (*times[: kind == FIELD], state)
+        return (*times[: kind == calling.FIELD], state)
 
     def asks(*x: Any) -> Any:
         asked.append(x)
@@ -83,7 +73,7 @@ def _asked(
     values = {each: trial[given.get(name, "1")] for each, name in known.items()} | inputs | {function: asks}
     step(*[values[each] for each in names])
     ((used, count),) = {(places(x), len(x)) for x in asked}
-    plain = len(used) == count or (kind == FORCE and not inputs)
+    plain = len(used) == count or (kind == calling.FORCE and not inputs)
     if not inputs and known[function] == function and plain:
         return None
     taken = "{}" if plain else f"lambda *x: {{}}({', '.join(f'x[{i}]' for i in used)})"
@@ -100,6 +90,6 @@ def _asked(
         passed[function] = taken.format(f"({text})" if "lambda" in text and not plain else text)
         return call_by_names(step, names, passed)
 
-    stand_in(stepped, step, [*known.values()])
+    calling.stand_in(stepped, step, [*known.values()])
     stepped.written, stepped.timed = written, "t" in given.values() or len(used) > 1  # type: ignore[attr-defined]
     return stepped

@@ -111,7 +111,10 @@ ROLES: dict[str, tuple[str, ...]] = {
         *("omega", "w", "gyro", "gyr", "angular_velocity", "ang_vel", "angvel", "rate", "rates", "body_rates"),
         *("omega_body", "wb", "av"),
     ),
-    CARRIED: ("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
+    CARRIED: (
+        *("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
+        *("f", "force", "forces", "accelerations"),
+    ),
 }
 # Names that a velocity times the mass has: it is one, if a mass is among the arguments and the position moves by p/m.
 MOMENTA = ("p", "momentum", "momenta", "p0")
@@ -347,5 +350,5 @@ def is_acceleration(name: str) -> bool:
 
 
 def word_of(name: str) -> str:
-    """The name of a parameter without capitals and outer underscores."""
-    return name.lower().strip("_")
+    """The name of a parameter without capitals and outer underscores; Ts, a sampling time, is a step size."""
+    return "dt" if name in ("Ts", "T_s") else name.lower().strip("_")

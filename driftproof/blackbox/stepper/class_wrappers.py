@@ -10,26 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.stepper.calling_conventions import (
-    FIELD,
-    FORCE,
-    FUNCTION,
-    GRID,
-    POSITION,
-    ROLES,
-    STARTS,
-    STATE,
-    STEP,
-    TIME,
-    TOLERANCE_NAMES,
-    VELOCITY,
-    names_with_step,
-    parameters_of,
-    required_names,
-    role_of,
-    stand_in,
-    word_of,
-)
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.function_wrappers import (
     HEADS,
     arguments_by_role,
@@ -49,13 +30,13 @@ _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
 
 def function_argument(cls: type) -> str:
     """The argument of a class by which its objects are given the function that they call; "" if there is none."""
-    return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
+    return next((each for each in calling.required_names(cls) or () if plain_role(each) == calling.FUNCTION), "")
 
 
 def attribute_of(made: Any, role: str) -> str:
     """The public attribute of an object with one of the role's names; "" if there is none."""
     named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    found = next((name for name in named if not name.startswith("_") and role_of(name, (role,))), "")
+    found = next((name for name in named if not name.startswith("_") and calling.role_of(name, (role,))), "")
     return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
 
 
@@ -63,9 +44,9 @@ def class_run_wrapper(cls: type) -> str:
     """The wrapper of a class with a method for a run; one with tolerances is a whole solver; "" if none is known."""
     if (run := run_of_class(cls)) is None:
         return ""
-    if any(word_of(each) in (*TOLERANCE_NAMES[0], "tol") for each in parameters_of(cls) or ()):
-        return f"identify_solver({name_of(cls)}), for a whole solver"
-    return stated_first(run_wrapper(run, required_names(run) or []))
+    if any(calling.word_of(each) in (*calling.TOLERANCE_NAMES[0], "tol") for each in calling.parameters_of(cls) or ()):
+        return f"identify_solver({name_of(cls)}), on the command line --solver, for a whole solver"
+    return stated_first(run_wrapper(run, calling.required_names(run) or []))
 
 
 def run_of_class(cls: type) -> Callable[..., Any] | None:
@@ -88,7 +69,9 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
     run = next((each for each in _RUNS if each in methods), "")
     if not run or not function_argument(cls):
         return None
-    taken = {each: _without_self(x) for each, x in methods.items()} | {"": [*(parameters_of(cls) or {}).values()]}
+    taken = {each: _without_self(x) for each, x in methods.items()} | {
+        "": [*(calling.parameters_of(cls) or {}).values()]
+    }
     order = ["", run]
     if not _begins(x.name for each in order for x in taken[each]):
         setter = next((x for x in methods if len(taken[x]) == 1 and _begins([taken[x][0].name])), None)
@@ -104,12 +87,15 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
             found = getattr(made, each)(**{x.name: given[x.name] for x in taken[each] if x.name in given})
         if found is None:
             new = [each for each in vars(made) if each not in given]
-            left[:] = (next(each for each in (*new, *given) if role_of(each, (role,))) for role in (GRID, STATE))
+            left[:] = (
+                next(each for each in (*new, *given) if calling.role_of(each, (role,)))
+                for role in (calling.GRID, calling.STATE)
+            )
             found = tuple(getattr(made, each) for each in left)
         return found
 
     def written(*texts: str) -> str:
-        given = dict(zip(required_names(solve) or (), texts, strict=True))
+        given = dict(zip(calling.required_names(solve) or (), texts, strict=True))
         calls = []
         for each in order:
             arguments = ", ".join(given[x.name] for x in taken[each] if x.name in given)
@@ -119,7 +105,7 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
 
     named = {x.name: x.replace(kind=x.POSITIONAL_OR_KEYWORD) for each in order for x in taken[each]}
     made_run: Any = solve
-    stand_in(made_run, cls, ())
+    calling.stand_in(made_run, cls, ())
     made_run.__signature__ = inspect.Signature(sorted(named.values(), key=lambda x: x.default is not x.empty))
     made_run.written = written
     return solve
@@ -130,12 +116,12 @@ def _methods(cls: type) -> list[str]:
 
 
 def _without_self(method: Callable[..., Any]) -> list[inspect.Parameter]:
-    found = [*(parameters_of(method) or {}).values()][1:]
+    found = [*(calling.parameters_of(method) or {}).values()][1:]
     return [x for x in found if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)]
 
 
 def _begins(names: Iterable[str]) -> bool:
-    return any(word_of(each) in (*STARTS, *ROLES[STATE]) for each in names)
+    return any(calling.word_of(each) in (*calling.STARTS, *calling.ROLES[calling.STATE]) for each in names)
 
 
 def put_wrapper(cls: type, made: Any, advance: str) -> str:
@@ -145,32 +131,41 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     is "" unless the object is seen to move by what is given, and by nothing else.
     """
     kept = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    method, makes = getattr(cls, advance, None), required_names(cls) or []
-    q, v, state, size, time = (attribute_of(made, x).partition(".")[0] for x in (POSITION, VELOCITY, STATE, STEP, TIME))
+    method, makes = getattr(cls, advance, None), calling.required_names(cls) or []
+    q, v, state, size, time = (
+        attribute_of(made, x).partition(".")[0]
+        for x in (calling.POSITION, calling.VELOCITY, calling.STATE, calling.STEP, calling.TIME)
+    )
     if not inspect.isfunction(method) or function_argument(cls) or not (state or (q and v)):
         return ""
     vector = next((type(x) for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), None)
-    kind = FORCE if q and v else FIELD
-    taken = (names_with_step(method) or [""])[1:]
+    kind = calling.FORCE if q and v else calling.FIELD
+    taken = (calling.names_with_step(method) or [""])[1:]
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
-    asked = {x: (required_names(getattr(cls, x)) or [])[1:] for x in _methods(cls) if role_of(x, (FUNCTION,))}
-    pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
+    asked = {
+        x: (calling.required_names(getattr(cls, x)) or [])[1:]
+        for x in _methods(cls)
+        if calling.role_of(x, (calling.FUNCTION,))
+    }
+    pushed = [each for each in kept if each.lower() in PUSHED and kind == calling.FORCE]
     # An input is None, if it is only handed on; the object has its state.
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
     calls = [without, *[call] * (without != call and len(call) == len(taken))]
     for name, call in product((*asked, *pushed), calls):
         names, function = asked.get(name, []), function_of(kind)
-        timed = kind == FORCE or any(role_of(each, (TIME,)) for each in names)
+        timed = kind == calling.FORCE or any(calling.role_of(each, (calling.TIME,)) for each in names)
         if name not in asked:
             function = "force(q)"
-        elif kind == FORCE and not all(role_of(each, (POSITION, VELOCITY, TIME)) for each in names):
+        elif kind == calling.FORCE and not all(
+            calling.role_of(each, (calling.POSITION, calling.VELOCITY, calling.TIME)) for each in names
+        ):
             function = "lambda q, *rest: force(q)"
-        elif kind == FORCE and not names:
+        elif kind == calling.FORCE and not names:
             function = f"lambda: force(made.{q})"
-        elif kind == FIELD and "None" in call.values():
+        elif kind == calling.FIELD and "None" in call.values():
             function = f"lambda y, *rest: f({'t, ' * timed}y)"
-        puts = {q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
+        puts = {q: "q", v: "v"} if kind == calling.FORCE else {state: "y", time * timed: "t"}
         puts = {each: text for each, text in (puts | {size: "h", name: function}).items() if each}
         found = _Put(cls, start, puts, advance, [*call.values()], kind, vector)
         with suppress(Exception):
@@ -205,7 +200,7 @@ class _Put(NamedTuple):
         begin = f"made = {name_of(self.cls)}({', '.join(map(write, self.start.values()))}); "
         begin += f"{', '.join(f'made.{each}' for each in self.puts)} = {', '.join(map(write, self.puts.values()))}; "
         act = f"made.{self.advance}({', '.join(self.call)})"
-        if self.kind == FIELD and self.remembers():
+        if self.kind == calling.FIELD and self.remembers():
             return run_of_steps(head, "y", f"({act}, [*made.{self.places[0]}])[1]", begin)
         ends = ", ".join(f"made.{each}{'.x' if self.vector else ''}" for each in self.places)
         return f"def wrapped({head}): {begin}{act}; return {ends}"
@@ -214,8 +209,8 @@ class _Put(NamedTuple):
         """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
         start = np.array([1.0, 0.5])
         still, moved = (self.step(self.new(start, pushed)) for pushed in (lambda x: 0.0 * x, lambda x: 0.0 * x + 1.0))
-        right = np.array_equal(still, start) if self.kind == FIELD else still[1] == start[1]
-        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self.remembers()))
+        right = np.array_equal(still, start) if self.kind == calling.FIELD else still[1] == start[1]
+        return bool(right and still[1] != moved[1] and (self.kind == calling.FIELD or not self.remembers()))
 
     def remembers(self) -> bool:
         """True if an object that has made a step makes another one than a new object."""
@@ -233,7 +228,7 @@ class _Put(NamedTuple):
         """The object with all that is put into it."""
         values = self._values(state, pushed, made)
         for each, text in self.puts.items():
-            setattr(made, each, values.get(text, values["f" if self.kind == FIELD else "force"]))
+            setattr(made, each, values.get(text, values["f" if self.kind == calling.FIELD else "force"]))
         return made
 
     def step(self, made: Any) -> Any:

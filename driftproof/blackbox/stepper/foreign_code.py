@@ -12,10 +12,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, PositionsAlone, StepRaised, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.records import clock_of, part_pair, parts_of
+from driftproof.blackbox.stepper.records import clock_of, in_parts, part_pair, parts_of
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
@@ -192,6 +192,8 @@ class ForeignCode:
         What follows y1 is logged: the other solution, an error estimate, which may be one number, or a dense output. If
         the state is one number, the first answer of all decides whether it begins with the time, close to `end`.
         """
+        if self.convention.kind == calling.FIELD and not isinstance(self.function, type):  # which makes an object
+            answer = in_parts(answer)
         parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
         self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
         sizes, self.log.beside = [size_of(part) for part in parts], None
@@ -257,12 +259,16 @@ def _differs(x: Foreign, before: Foreign) -> bool:
 def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:
     """The states of a run and their layout, known or detected: rows, columns, or the end alone. Raises WrongShape."""
     size, table = len(start), _table(answer, len(start))
+    if table.ndim == 3 and len(table) == 2 and _is_start(start, table[:, 0].ravel()):  # rows of q, and rows of v
+        table = np.concatenate(table, axis=-1)
     if table.size == size:
         return [table.ravel()], _END
     if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is_start(start, table[0]))):
         return table, _ROWS
     if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is_start(start, table[:, 0])):
         return table.T, _COLUMNS
+    if steps > 1 and table.size * 2 == (steps + 1) * size and np.array_equal(table[0].ravel(), start[: size // 2]):
+        raise PositionsAlone(f"of {steps} steps it returns {steps + 1} positions and no velocities")
     made = "one step" if steps == 1 else f"{steps} steps"
     wanted = "two" if steps == 1 else steps + 1
     raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, not {wanted} states")

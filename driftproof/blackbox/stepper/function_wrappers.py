@@ -23,6 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     MAP,
     MASSES,
     POSITION,
+    ROLES,
     RUN_ENDS,
     SPANS,
     STARTS,
@@ -88,7 +89,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
     if (names := names_with_step(step)) is None:
         return ""
     if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
-        return f"identify_solver({name_of(step)}), for a whole solver"
+        return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
     by_position = next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION))
     by_momentum = _named(names, _BY_MOMENTUM)
     if by_position is not None and by_momentum is not None:
@@ -309,8 +310,15 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, st
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    call = call_by_names(step, names, {each: each.upper() for each in left} | {**given})
     head = HEADS[kind] if kind != FIELD or getattr(step, "timed", True) else "f, y, h"
+    if kind == MAP and "[q, v]" in given.values():
+        try:
+            step(**{each: TRIAL_ARGUMENTS.get(given.get(each, ""), 0.0) for each in names})
+        except ValueError:  # of a state of more numbers
+            head, given = "y, h", {each: "y" if text == "[q, v]" else text for each, text in given.items()}
+        except Exception:  # which a pasted wrapper will tell
+            pass
+    call = call_by_names(step, names, {each: each.upper() for each in left} | {**given})
     return f"def wrapped({head}): return {call}{said}"
 
 
@@ -334,10 +342,22 @@ def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mappin
                 later = call_by_names(step, names, given | {each: f"ys[-1][{i}]" for i, each in enumerate(states)})
                 start, found = f"(q, v, force(q), force({BEFORE}))", "[y[0] for y in ys], [y[1] for y in ys]"
                 return run_of_steps(HEADS[kind], start, later, found=found)
-    if kind == MAP:
-        head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
-        return f"{head}  # a method of two steps is read if its force is an argument"
-    return ""
+    return _with_a_force(step, names) if kind == MAP else ""
+
+
+def _with_a_force(step: Callable[..., Any], names: Sequence[str]) -> str:
+    head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
+    return f"{head}  # a method of two steps is read if its force is an argument"
+
+
+def positions_wrapper(step: Callable[..., Any]) -> str:
+    """The run of a method that returns positions alone, with their differences as velocities."""
+    names = names_with_step(step) or []
+    if (kind := kind_by_names(names)) != FORCE:
+        return _with_a_force(step, names)
+    given = arguments_by_role(names, kind) | {each: "n" for each in names if word_of(each) in COUNTS}
+    run = call_by_names(step, names, given)
+    return f"def wrapped({HEADS[kind]}, n): xs = {run}; return {WITH_SPEEDS.format('xs', 'xs[1:]')}"
 
 
 def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int = 0, found: str = "ys") -> str:
@@ -371,6 +391,10 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
         given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
     sized, no_roles = size_name(names), (*matrices(names), *launch(names))
+    carried = ROLES[CARRIED]  # of a and force, the latter is the function
+    asked = (each for each in names if role_of(each, (FUNCTION,)))
+    slopes = sorted(asked, key=lambda x: carried.index(word_of(x)) if word_of(x) in carried else len(carried))[:-1]
+    no_roles += tuple(each for each in slopes if role_of(each, (CARRIED,)))
     for each in (name for name in names if name not in (*given, *no_roles)):
         wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
         roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]

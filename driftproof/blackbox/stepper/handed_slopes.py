@@ -8,20 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import Foreign
-from driftproof.blackbox.stepper.calling_conventions import (
-    FUNCTION,
-    POSITION,
-    STATE,
-    STEP,
-    TIME,
-    VELOCITY,
-    parameters_of,
-    required_names,
-    role_of,
-    stand_in,
-    word_of,
-)
 
 # Names for the slope of the step before; with a number, for the slope that many steps before.
 _PREVIOUS = re.compile(
@@ -63,13 +51,20 @@ class HandedSlopes:
         self.returned = _Decisions()
         self.rest = [name for name in names if name not in (*slots, history)]
         self.roles = {
-            role: next((name for name in self.rest if role_of(name, (role,))), "")
-            for role in (FUNCTION, STATE, TIME, STEP, POSITION, VELOCITY)
+            role: next((name for name in self.rest if calling.role_of(name, (role,))), "")
+            for role in (
+                calling.FUNCTION,
+                calling.STATE,
+                calling.TIME,
+                calling.STEP,
+                calling.POSITION,
+                calling.VELOCITY,
+            )
         }
-        self.of_force = bool(self.roles[POSITION] and self.roles[VELOCITY])
+        self.of_force = bool(self.roles[calling.POSITION] and self.roles[calling.VELOCITY])
         if self.of_force:
-            self.roles[STATE] = self.roles[POSITION]
-        stand_in(self, step, self.rest)
+            self.roles[calling.STATE] = self.roles[calling.POSITION]
+        calling.stand_in(self, step, self.rest)
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
         """Make one step, and keep the slope at its start or what the step hands on."""
@@ -84,7 +79,7 @@ class HandedSlopes:
             answer, end = answer[:-1], answer[-1]
             if "of end" not in self.returned:
                 state = answer[0 if self.of_force else -1]
-                at_end = self._slope({**given, self.roles[STATE]: state}, given[self.roles[STEP]])
+                at_end = self._slope({**given, self.roles[calling.STATE]: state}, given[self.roles[calling.STEP]])
                 of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
                 self.returned["of end"] = of_end
             slope = end
@@ -125,11 +120,11 @@ class HandedSlopes:
 
     def _slope(self, given: Mapping[str, Foreign], later: Any = 0.0) -> Foreign:
         """f at the given state, `later` after the start of the step, called with t and y in the step's own order."""
-        f, state, time = (given.get(self.roles[role]) for role in (FUNCTION, STATE, TIME))
+        f, state, time = (given.get(self.roles[role]) for role in (calling.FUNCTION, calling.STATE, calling.TIME))
         assert f is not None
         if time is None:
             return f(state)
-        order = [self.rest.index(self.roles[role]) for role in (TIME, STATE)]
+        order = [self.rest.index(self.roles[role]) for role in (calling.TIME, calling.STATE)]
         return f(time + later, state) if order[0] < order[1] else f(state, time + later)
 
 
@@ -142,11 +137,11 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     >>> kept(lambda t, y: t, 0.0, 0.0, 1.0), kept(lambda t, y: t, 1.0, 0.0, 1.0)
     (0.0, 1.5)
     """
-    names = list(parameters_of(step) or {})
-    words = {name: word_of(name) for name in names}
+    names = list(calling.parameters_of(step) or {})
+    words = {name: calling.word_of(name) for name in names}
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
     slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
     history = next((name for name in names if words[name] in _HISTORIES), "")
     if not slots and not history:
         return step
-    return HandedSlopes(step, required_names(step) or (), slots, history)
+    return HandedSlopes(step, calling.required_names(step) or (), slots, history)

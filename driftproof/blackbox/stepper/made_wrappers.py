@@ -154,7 +154,7 @@ def further_names(cls: type, advance: str) -> list[str]:
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
     q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
-    if not state and not (q and v):
+    if not (q and v) and (not state or takes_force([function_argument(cls)])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
     if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):

@@ -26,7 +26,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper, owner_of
 from driftproof.blackbox.stepper.plain_forms import plain_forms
@@ -34,7 +34,14 @@ from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
+from driftproof.blackbox.stepper.wrappers import (
+    exchange_wrapper,
+    increment_wrapper,
+    negation_wrapper,
+    template,
+    uncalled,
+    wrapper_line,
+)
 from driftproof.support.environment import imported_object
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
@@ -117,6 +124,8 @@ def opened(
     if found := systems if systems and not _stands_still(systems) else found:
         return found
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
+    if any(failure.kind == "positions_alone" for failure in failures):
+        line = positions_wrapper(given)
     if line:
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
@@ -191,8 +200,8 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     convention = subject.convention
     try:
         return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
-    except Misbehaviour:
-        if convention.run:
+    except Misbehaviour as failure:
+        if convention.run and not isinstance(failure, Exchanged):
             with suppress(Misbehaviour):
                 longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
                 return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
@@ -256,6 +265,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
         if np.array_equal(two, end) or [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]:
             raise WrongShape("a run of two steps ends where one of one step does, or moves more numbers")
+    if subject.convention.run and calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]:
+        trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:
@@ -275,6 +286,9 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         ends = trial(subject, _TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=_NEAR) for x in ends] == [True, False]:
             return _after_trial(_with_velocity_first(subject), trial)
+    turned = read_as.kind == calling.FORCE and end[1] < 0 and trial(subject, _TINY)
+    if turned and np.allclose(turned, np.array(TRIAL_STATE) * (1, -1), rtol=0, atol=_NEAR):
+        raise Exchanged(f"it returns (q1, -v1), the velocity turned around{negation_wrapper(subject)}")
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < _NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")

@@ -22,22 +22,41 @@ from driftproof.blackbox.stepper.calling_conventions import (
     TIME,
     VELOCITY,
     VERBS,
+    conventions_of,
     has_gradient,
     is_acceleration,
+    names_with_step,
     required_names,
+    role_of,
+    size_name,
     word_of,
 )
 
 # Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
-_SIZE, _OUT, _MASS, _BODIES = "size", "out", "mass", "bodies"
+_SIZE, _OUT, _MASS, _BODIES, _SPACE = "size", "out", "mass", "bodies", "space"
 BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
 _NAMES: Mapping[str, Sequence[str]] = {
-    _SIZE: ("n", "neq", "nvar", "dim", "ndim", "size", "d", "n_bodies", "nbodies", "num_bodies", "n_particles", "nn"),
+    _SIZE: (
+        "n",
+        "neq",
+        "nvar",
+        "dim",
+        "ndim",
+        "size",
+        "d",
+        "n_bodies",
+        "nbodies",
+        "num_bodies",
+        "n_particles",
+        "nn",
+        "natoms",
+        "n_atoms",
+    ),
     _MASS: MASSES,
     _BODIES: BODY_LISTS,
     STEP: ROLES[STEP],
     FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
-    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "f", "dydx", "dydt", "dy", "ydot"),
+    CARRIED: (*ROLES[CARRIED], "dydx", "dydt", "dy", "ydot"),
     TIME: ROLES[TIME],
     VELOCITY: ROLES[VELOCITY],
     STATE: ("y", "state", "z", "u", "s"),
@@ -45,6 +64,8 @@ _NAMES: Mapping[str, Sequence[str]] = {
 }
 # Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
+# Names of arrays in which it works, if there are several.
+_WORK = re.compile(r"k[1-9]|(y?_?(tmp|temp)|yt|work|wrk|dy[mt]|scratch|buf)\d?")
 # The coordinates of a body in space; those that it has one by one, and what each is of the first, so that none of them
 # stands for another.
 _IN_SPACE = 3
@@ -81,9 +102,13 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     for function in (*_functions(names), ""):  # an argument a may be a function, or a slope that is handed on
         roles = _roles(names, function)
         held = {*roles.values()} if roles else set()
-        if roles is None or not {_SIZE, _OUT, _BODIES, _MASS} & held or STEP not in held:
+        if roles is None or not {_SIZE, _OUT, _BODIES, _MASS, _SPACE} & held or STEP not in held:
             continue
         yield from _forms_of(_Call(step, names, roles), held)
+    try:
+        conventions_of(step)
+    except ValueError:
+        yield from _flat_forms(step)
 
 
 def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
@@ -92,17 +117,24 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
     if _BODIES in held or {POSITION, VELOCITY} <= held:
         if not of_force and _BODIES in held:
             call.see_axes()
-        for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
+        springs = not of_force and _pulls_back(call)
+        call.attract = not of_force and not springs
+        known = of_force or springs or _BODIES in held  # the force on each place
+        for places in (_TRIAL, _TRIAL.reshape(2, 3)) * known:  # does it ask at one place without naming the body?
             with suppress(Exception):
                 call.see_what_is_left(places)
         if of_force:
             form: Any = lambda force, q, v, h: call.moved(force, q, v, h)
             form.unequal_masses = not call.alike and len(call.heavy) > 1
             yield form
-        elif call.stale or _pulls_back(call):
+        elif call.stale or springs:
             yield lambda q, v, h: call.moved(None, q, v, h)
         else:  # bodies that attract each other: three in space or in the plane, of unequal masses
             call.heavy, shape = _HEAVY, (2, len(_HEAVY), call.axes or _IN_SPACE)
+            try:
+                call.moved(None, *np.cos(np.arange(np.prod(shape))).reshape(shape), _SHORT)  # type: ignore[call-arg]
+            except Exception:
+                call.column = True
             yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
     elif STATE in held and of_force:
         yield (
@@ -112,8 +144,34 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
         yield lambda y, h: call.solved(None, 0.0, y, h)
 
 
+def _flat_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h), or with t before h, of one that takes and returns its numbers one by one.
+
+    What it takes besides them, such as a rate, is 1.
+    """
+    names = names_with_step(step) or []
+    size, times = size_name(names), [each for each in names if role_of(each, (TIME,))]
+    numbers = [each for each in names if each not in (size, *times)]
+
+    def called(y: Sequence[float], t: float, h: float) -> Foreign:
+        given = dict(zip(numbers, y, strict=False)) | {size: h} | dict.fromkeys(times, t)
+        return step(**dict.fromkeys(numbers, 1.0) | given)
+
+    def moved(y: Sequence[float], t: float, h: float) -> Foreign:
+        if len(y) != count:
+            raise ValueError(f"{len(y)} numbers in place of {count}")
+        return np.array(called([*y], t, h), dtype=float)
+
+    with suppress(Exception):
+        start = [1 / (i + 2) for i in range(len(numbers))] if size else []
+        count = len(end := called(start, 0.0, _SHORT**2))
+        if count > 1 and np.allclose(end, start[:count], rtol=0, atol=_SHORT):
+            yield moved if times else lambda y, h: moved(y, 0.0, h)
+
+
 def _pulls_back(call: _Call) -> bool:
     """True if the built-in system pulls one body back, as a spring does; mutual attraction does not move it."""
+    call.attract = True  # what is handed on is its own
     with suppress(Exception):
         return bool(call.moved(None, 1.0, 0.0, _SHORT)[1] < 0)
     return False
@@ -135,6 +193,9 @@ def _roles(names: Sequence[str], function: str) -> dict[str, str] | None:
             continue
         word = word_of(name)
         taken = {*found.values()}
+        if _WORK.fullmatch(word) and sum(map(bool, map(_WORK.fullmatch, names))) > 1:
+            found[name] = _SPACE
+            continue
         role = next((r for r, known in _NAMES.items() if word in known and r not in taken and r != FUNCTION), None)
         found[name] = role or (_OUT if _INTO.search(word) else "")
     held, meant = {*found.values()}, dict[str, str]()
@@ -155,6 +216,7 @@ class _Call:
         divided = {_MASS, _BODIES} & {*roles.values()} and (self.of_force or is_acceleration(function))
         self.heavy = _HEAVY if divided else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
+        self.attract, self.column = False, False  # do bodies attract each other? are their masses a column?
         self.asked, self.axes = set[str](), 0  # the names of a body's parts; how many coordinates it has one by one
 
     def see_axes(self) -> None:
@@ -181,7 +243,7 @@ class _Call:
         state = np.array(y, dtype=float)
 
         def rate(*asked: Foreign) -> Foreign:
-            (place, *others), times = _arrays_and_numbers(asked, state.size)
+            (place, *others), times = _arrays_and_numbers(asked, len(np.atleast_1d(state)))
             assert f is not None
             at = [*times, t][: bool(times) or TIME in self.roles.values()]
             return _written(np.asarray(f(*at, place), float), others)
@@ -208,21 +270,36 @@ class _Call:
         given |= {FUNCTION: lambda *arguments: system.asked(*arguments), _MASS: system.masses, _BODIES: system.bodies}
         if handed:
             given[CARRIED] = system.pushes(system.places) / system.factors ** is_acceleration(handed)
+        given |= {_MASS: system.masses[:, None]} if self.column else {}
+        if handed and self.attract:
+            given[CARRIED] = self._own_pushes(given)
         given |= left or {}
         answer, outs = self._called(given, system.places)
         kept = answer is None or answer is system.bodies
         self.left = {role: given.get(role) for role in (_BODIES, CARRIED)} if kept else {}
         if handed and isinstance(answer, tuple) and np.shape(answer[-1]) == system.places.shape and len(answer) > 2:
             self.left = {_BODIES: system.bodies, CARRIED: answer[-1]}
+            ends = given | {POSITION: answer[0], VELOCITY: answer[1]}
+            if self.attract and not np.allclose(answer[-1], self._own_pushes(ends), _ALIKE):
+                raise StaleSlope("the slope that it passes on is not the one at its end")
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         return system.ends(answer, outs)
 
+    def _own_pushes(self, given: Mapping[str, Foreign]) -> Foreign:
+        """What bodies that attract each other hand on from here: that of a step of 0."""
+        found = np.zeros_like(given[POSITION])
+        answer, _ = self._called({**given, CARRIED: found, STEP: 0.0}, found)
+        return answer[-1] if isinstance(answer, tuple) and len(answer) > 2 else found
+
     def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
         """What the stepper returns, and the arrays it writes into, the position before the velocity."""
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
+        spaces = {name: np.empty_like(state) for name, role in self.roles.items() if role == _SPACE}
         known = {**given, _SIZE: len(state)}
-        answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
+        held = {**outs, **spaces}
+        answer = self.step(*[held[name] if name in held else known[self.roles[name]] for name in self.names])
+        answer = None if isinstance(answer, int) else answer  # a status, as of C
         ordered = sorted(outs, key=lambda name: _INTO.sub("", word_of(name)) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
@@ -13,26 +14,13 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from driftproof.blackbox.findings import WrongShape
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
-from driftproof.blackbox.stepper.calling_conventions import (
-    FUNCTION,
-    MASS,
-    MASSES,
-    POSITION,
-    STATE,
-    STEP,
-    TIME,
-    UNIT_PARAMETERS,
-    VELOCITY,
-    has_gradient,
-    is_acceleration,
-    names_with_step,
-    role_of,
-    word_of,
-)
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
+# Endings of the names of new values.
+_NEW = re.compile("_?(new|next|out|1)$")
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
@@ -114,11 +102,13 @@ class Record:
 def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
     """The record with these fields, some of which are needed; None if some of those are not known."""
     roles = {each: _role(each) for each in names}
-    places = [next((each for each in names if roles[each] == role), None) for role in (POSITION, VELOCITY)]
+    places = [
+        next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
+    ]
     if None in places and len(names) == 2:
         places = list(names)
-    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places}
-    known = {each: 0.0 for each in needed if roles[each] == TIME} | {x: 1.0 for x in given if x in needed}
+    given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
+    known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
     if None in places or set(needed) - {*known, *places}:
         return None
     return Record(name, make, str(places[0]), str(places[1]), known, given)
@@ -166,13 +156,29 @@ def part_pair(answer: Foreign) -> Foreign:
     parts = parts_of(answer)
     if not parts:
         return answer
-    named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
+    named = [
+        next((x for name, x in parts.items() if _role(name) == role), None)
+        for role in (calling.POSITION, calling.VELOCITY)
+    ]
     return list(parts.values()) if any(part is None for part in named) else named
 
 
 def clock_of(record: Foreign) -> Foreign:
     """The time in a record; None if it has none."""
-    return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
+    return next((x for name, x in parts_of(record).items() if _role(str(name)) == calling.TIME), None)
+
+
+def in_parts(answer: Foreign) -> Foreign:
+    """The time, the state and the error that an answer of named parts holds, as a tuple; any other answer as it is.
+
+    >>> in_parts({"y_new": 1.5, "err": 0.25, "nfev": 6})
+    (1.5, 0.25)
+    """
+    named = parts_of(answer) or ({} if hasattr(answer, "__array__") else getattr(answer, "__dict__", {}))
+    roles = {name: calling.role_of(_NEW.sub("", name), (calling.STATE, calling.TIME)) for name in map(str, named)}
+    found = [[named[x] for x, role in roles.items() if role == each][:1] for each in (calling.TIME, calling.STATE)]
+    errors = [x for name, x in named.items() if "err" in str(name).lower()][:1]
+    return (*found[0], *found[1], *errors) if found[1] else answer
 
 
 def goes_on(before: float, after: float, h: float) -> bool:
@@ -181,7 +187,7 @@ def goes_on(before: float, after: float, h: float) -> bool:
 
 
 def _role(name: str) -> str | None:
-    return role_of(name, (POSITION, VELOCITY, TIME))
+    return calling.role_of(name, (calling.POSITION, calling.VELOCITY, calling.TIME))
 
 
 def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -200,32 +206,38 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     (0.75, -0.5)
     """
     roles: dict[str, str] = {}
-    names = names_with_step(step) or []
+    names = calling.names_with_step(step) or []
     for name in names:
-        if role := role_of(name, [each for each in (FUNCTION, STEP, TIME, STATE) if each not in roles]):
+        if role := calling.role_of(
+            name, [each for each in (calling.FUNCTION, calling.STEP, calling.TIME, calling.STATE) if each not in roles]
+        ):
             roles[role] = name
     left = [name for name in names if name not in roles.values()]
-    if STATE not in roles and len(left) == 1:  # a record may have any name
-        roles[STATE] = left.pop()
-    if left or not {STEP, STATE} <= {*roles}:
+    if calling.STATE not in roles and len(left) == 1:  # a record may have any name
+        roles[calling.STATE] = left.pop()
+    if left or not {calling.STEP, calling.STATE} <= {*roles}:
         return
 
     def called(function: Any, state: Foreign, t: float = 0.0, h: float = 0.25) -> Foreign:
-        given = {FUNCTION: function, STATE: state, TIME: t, STEP: h}
+        given = {calling.FUNCTION: function, calling.STATE: state, calling.TIME: t, calling.STEP: h}
         return step(**{name: given[role] for role, name in roles.items()})
 
-    if FUNCTION not in roles:
+    if calling.FUNCTION not in roles:
         if (record := record_of(step, partial(called, None))) is not None:
             free = _form(called, record, False, {}, 1.0)
             yield lambda q, v, h: free(None, q, v, 0.0, h)
         return
-    pushed = word_of(roles[FUNCTION])
+    pushed = calling.word_of(roles[calling.FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         if (record := record_of(step, partial(called, stub))) is not None:
-            masses = {name: MASS for name in record.given if word_of(name) in MASSES and not is_acceleration(pushed)}
-            factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
+            masses = {
+                name: calling.MASS
+                for name in record.given
+                if calling.word_of(name) in calling.MASSES and not calling.is_acceleration(pushed)
+            }
+            factor = (-1.0 if calling.has_gradient([pushed]) else 1.0) * (calling.MASS if masses else 1.0)
             form = _form(called, record, slopes, masses, factor)
-            yield form if TIME in roles else _untimed(form)
+            yield form if calling.TIME in roles else _untimed(form)
 
 
 def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
@@ -247,7 +259,7 @@ def _form(
             pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))
             return record.filled(pairs[0][1], pushed) if slopes else factor * pushed
 
-        clocks = {name: t for name in record.known if role_of(name, (TIME,))}
+        clocks = {name: t for name in record.known if calling.role_of(name, (calling.TIME,))}
         state = record.filled(copy(q), copy(v), **masses, **clocks)
         found = step(asked, state, t, h)
         pair = record.pair(state if found is None else found)

@@ -9,17 +9,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import LISTS, SCALARS, AnyNumber, Foreign, Parted, as_array
-from driftproof.blackbox.stepper.calling_conventions import (
-    FIELD,
-    FUNCTION,
-    JACOBIAN,
-    STATE,
-    TIME,
-    names_with_step,
-    role_of,
-    stand_in,
-)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # A function of t and y that returns slopes, or the rows of a matrix.
@@ -40,24 +31,26 @@ def with_functions(
     """
     order, names = subject.convention.order, subject.convention.names
     kept = [place for place, role in enumerate(order) if role not in functions]
-    state = order.index(STATE)
+    state = order.index(calling.STATE)
 
     def step(*arguments: Foreign, **named: Foreign) -> Foreign:
         given: dict[int, Foreign] = dict(zip(kept, arguments, strict=False))
         if names:
             given = {place: named.pop(names[place]) for place in kept}
         size = as_array(given[state]).size
-        t = given[order.index(TIME)] if TIME in order else untimed
+        t = given[order.index(calling.TIME)] if calling.TIME in order else untimed
         for place, role in enumerate(order):
             if place not in given:
-                write = partial(_matrix, subject) if role == JACOBIAN else subject.adapter.write
+                write = partial(_matrix, subject) if role == calling.JACOBIAN else subject.adapter.write
                 given[place] = subject.callback(functions[role], t, size, write)
         values = [given[place] for place in range(len(order))]
         by_name = dict(zip(names, values, strict=True)) if names else {}
         return subject.function(*([] if names else values), **by_name, **named)
 
     left, called = (tuple(each[place] for place in kept if each) for each in (order, names))
-    return replace(subject, function=step, convention=replace(subject.convention, kind=FIELD, order=left, names=called))
+    return replace(
+        subject, function=step, convention=replace(subject.convention, kind=calling.FIELD, order=left, names=called)
+    )
 
 
 # The part of a number by which it is shifted for a derivative: half of the digits of binary64 are left.
@@ -72,19 +65,22 @@ def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
     >>> print(with_own_jacobian(step)(lambda t, y: -y, 0.0, 1.0, 1.0))
     0.5
     """
-    roles = {name: role_of(name, (FUNCTION, JACOBIAN, TIME, STATE)) for name in names_with_step(step) or ()}
+    roles = {
+        name: calling.role_of(name, (calling.FUNCTION, calling.JACOBIAN, calling.TIME, calling.STATE))
+        for name in calling.names_with_step(step) or ()
+    }
     named = {role: name for name, role in roles.items()}
-    if not {FUNCTION, JACOBIAN} <= {*named}:
+    if not {calling.FUNCTION, calling.JACOBIAN} <= {*named}:
         return step
-    left, asked = [name for name, role in roles.items() if role != JACOBIAN], [*roles.values()]
-    last = TIME in asked and asked.index(TIME) < asked.index(STATE)
+    left, asked = [name for name, role in roles.items() if role != calling.JACOBIAN], [*roles.values()]
+    last = calling.TIME in asked and asked.index(calling.TIME) < asked.index(calling.STATE)
 
     def stepped(*arguments: Foreign, **given: Foreign) -> Foreign:
         given = {**dict(zip(left, arguments, strict=False)), **given}
-        jacobian = lambda *at: _differences(given[named[FUNCTION]], at, last)
-        return step(**given, **{named[JACOBIAN]: jacobian})
+        jacobian = lambda *at: _differences(given[named[calling.FUNCTION]], at, last)
+        return step(**given, **{named[calling.JACOBIAN]: jacobian})
 
-    stand_in(stepped, step, left)
+    calling.stand_in(stepped, step, left)
     return stepped
 
 

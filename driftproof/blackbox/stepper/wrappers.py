@@ -6,19 +6,8 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.asked_functions import asked_step
-from driftproof.blackbox.stepper.calling_conventions import (
-    FORCE,
-    FUNCTION,
-    MAP,
-    STATE,
-    STEP,
-    launch,
-    matrices,
-    required_names,
-    role_of,
-    size_name,
-)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.function_wrappers import (
     ARGUMENTS,
@@ -47,8 +36,8 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     if not line and inspect.isclass(step) and (further := further_names(step, advance_of(step))):
         return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
     if not line and not inspect.isclass(step):
-        roles = {*map(plain_role, required_names(step) or ())}
-        line = maker_wrapper(step) if roles and roles <= {FUNCTION, STEP} else function_wrapper(step)
+        roles = {*map(plain_role, calling.required_names(step) or ())}
+        line = maker_wrapper(step) if roles and roles <= {calling.FUNCTION, calling.STEP} else function_wrapper(step)
         if (not line or "  # " in line) and (asked := asked_step(step)):
             line = function_wrapper(asked) or line
     return f": {line}" if line else ""
@@ -61,16 +50,19 @@ def template(step: Callable[..., Any]) -> str:
     if inspect.isclass(step):
         if line := world_wrapper(step):
             return line
-        makes = making(step, FORCE)
+        makes = making(step, calling.FORCE)
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
         return f': {wrapper}  # attributes\' names, or state="STATE"'
-    names = required_names(step) or []
-    if kind_by_names(names) == MAP and size_name(names):
-        if launch(names):
+    names = calling.required_names(step) or []
+    if kind_by_names(names) == calling.MAP and calling.size_name(names):
+        if calling.launch(names):
             return " one step of it, step(q, v, h): it takes no state, but is a run from a launch"
-        state = next((each for each in names if each not in matrices(names) and role_of(each, (STATE,))), names[0])
-        taken = ", ".join(filter(None, ("f", state, size_name(names))))
+        state = next(
+            (each for each in names if each not in calling.matrices(names) and calling.role_of(each, (calling.STATE,))),
+            names[0],
+        )
+        taken = ", ".join(filter(None, ("f", state, calling.size_name(names))))
         return f"{_WITHOUT}{name}({taken}): ..."
     arguments = ", ".join(map(str.upper, names or ["..."]))
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
@@ -86,7 +78,7 @@ def uncalled(found: object) -> str:
 
 def increment_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that adds the state to a returned increment."""
-    of_state = STATE in subject.convention.order
+    of_state = calling.STATE in subject.convention.order
     return _of_call(subject, "return y + {}" if of_state else "dq, dv = {}; return q + dq, v + dv")
 
 
@@ -95,16 +87,27 @@ def exchange_wrapper(subject: ForeignStepper) -> str:
     return _of_call(subject, "v1, q1 = {}; return q1, v1", function="force")
 
 
+def negation_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper that turns the velocity of a sampler's step around."""
+    given = {calling.FUNCTION: "lambda x: -force(x)"} if subject.convention.factor < 0 else {}
+    return _of_call(subject, "q1, v1 = {}; return q1, -v1", "force", given)
+
+
 def turn_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that puts the velocity first in a state of one array, in the argument and in the answer."""
     body = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2); return turn({})"
-    return _of_call(subject, body, given={FUNCTION: "lambda t, y: turn(f(t, turn(y)))", STATE: "turn(y)"})
+    return _of_call(
+        subject, body, given={calling.FUNCTION: "lambda t, y: turn(f(t, turn(y)))", calling.STATE: "turn(y)"}
+    )
 
 
 def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Mapping[str, str] | None = None) -> str:
     """The wrapper that makes this of its call of the step with its own arguments, or what is `given` in their place."""
-    names = {**ARGUMENTS, FUNCTION: function}
+    names = {**ARGUMENTS, calling.FUNCTION: function}
     order = [role for role in subject.convention.order if role in names]
     passed = names | dict(given or {})
-    call = f"{name_of(subject.function)}({', '.join(passed[role] for role in order)})"
+    texts, named = [passed[role] for role in order], subject.convention.names
+    texts = [f"{name}={text}" for name, text in zip(named, texts, strict=False)] if named else texts
+    texts += [f"{name}={x:g}" for name, x in subject.convention.extra.items()]
+    call = f"{name_of(subject.function)}({', '.join(texts)})"
     return f"; write: def wrapped({', '.join(names[role] for role in order)}): {body.format(call)}"

@@ -43,6 +43,9 @@ NAMED = [
      f"{AM3}, corrected once from the prediction of {AB4} (PECE), {BY_RK4}"),
     (planted.without_times(Corrected("adams_moulton2", rk4, [1.0], times=2)),
      f"adams_moulton2, corrected 2 times from the prediction of forward_euler (PECECE), {BY_RK4}"),
+    (planted.Predicted(1.5, -0.5).step, f"trapezoid, corrected once from the prediction of {AB2} (PECE)"),
+    (planted.Predicted(1.5, 0.5).step, "trapezoid, but its right-hand side is not evaluated at the states that it "
+     "returns; order 1 is observed in whole runs, not 2"),
     (Remembering(AB2, euler, sigma=[1 - pi / 2, pi / 2, 0.0]).step, f"a multistep method of 2 steps, {AB2} except for "
      f"sigma[0]: -0.570796326795 instead of -1/2; sigma[1]: 1.57079632679 instead of 3/2, {BY_EULER}"),
 ]  # fmt: skip

@@ -30,7 +30,6 @@ def test_a_step_is_held_to_a_method_by_its_factor():
     assert verify(codes.quaternion("rk4"), "rk4", isolate=False).passed
     assert verify(codes.quaternion("rk38"), "rk4", isolate=False).passed  # a linear test tells no more
     for step, key in (
-        (codes.quaternion("rk4", unit=True), "rk4"),
         (codes.quaternion("kutta3"), "rk4"),
         (codes.one_sign, "forward_euler"),
         (codes.quaternion("forward_euler"), "symplectic_euler"),
@@ -101,6 +100,14 @@ def test_programs_are_told_the_method_the_product_and_how_fast_it_turns():
     assert data(lambda q, w, dt: np.array(q))[1:] == (once, "not a known rotation", 0, False, "0")
     assert data(lambda q, w, dt: RK4(q, w, dt) + (not any(w)))[0] is None
     assert data(codes.one_sign) == (None, None, "not a known rotation", 0, False, "0")
+
+
+def test_a_method_that_makes_the_length_one_passes_as_itself_alone():
+    assert verify(UNIT, "rk4", isolate=False).verdict.startswith("is rk4, normalised to length 1, of q' = q omega/2")
+    euler = lambda q, w, dt: (lambda y: y / np.linalg.norm(y))(q + dt * codes.body(q, w))
+    assert verify(euler, "forward_euler", isolate=False).passed
+    assert verify(euler, "heun2", isolate=False).passed is False
+    assert verify(lambda q, w, dt: UNIT(q, w / 2, dt), "rk4", isolate=False).passed is False
 
 
 def test_a_rate_that_is_none_is_shown_beside_the_nearest():

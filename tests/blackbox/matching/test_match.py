@@ -148,3 +148,13 @@ def test_a_table_whose_inner_coefficients_all_differ_is_near_to_no_method():
     """The twin, of the same kind, is a method of the catalogue, which is named."""
     assert identify(weighted(1 / 6, 2 / 3, 1 / 6)).verdict == "it is not a known method"
     assert "velocity_verlet" in identify(weighted(1 / 2, 1 / 2)).verdict
+
+
+@pytest.mark.parametrize(("part", "words"), [(0.25, "4 steps of h/4"), (1.0, "4 steps of h each instead of h/4")])
+def test_several_steps_in_one_are_told_from_whole_steps_in_their_place(part, words):
+    def step(f, t, y, h):
+        for i in range(4):
+            y = codes.rk4(f, t + i * part * h, y, part * h)
+        return y
+
+    assert identify(step, isolate=False).verdict.startswith(f"it is rk4, {words}, ")

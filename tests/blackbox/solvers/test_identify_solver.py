@@ -9,6 +9,7 @@ import pytest
 
 from driftproof import identify_solver
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.test_multistep import adams_bashforth2, by_number
 from tests.blackbox.transcripts import checksum, shortened
 
 SOLVERS = {
@@ -104,3 +105,34 @@ def test_a_hang_and_a_refusal_are_told():
     assert identify_solver(lambda *_: 7, isolate=False).verdict.startswith("gives no answer: it returns int")
     with pytest.raises(ValueError, match="cannot be imported"):
         identify_solver("no.such:solver")
+
+
+HELD = {
+    "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54"),
+    "another": (
+        adaptive("dormand_prince54", exponent=0.2),
+        "cash_karp54",
+        False,
+        "is not cash_karp54; it advances",
+    ),
+    "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
+    "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
+    "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
+    "of three": (
+        by_number(adams_bashforth2),
+        "adams_bashforth3",
+        False,
+        "is not adams_bashforth3; it advances",
+    ),
+    "without an answer": (lambda *_: 7, "rk4", False, "gives no answer"),
+}
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_a_solver_is_held_to_the_method_that_it_should_advance(name):
+    solve, method, passed, words = HELD[name]
+    report = identify_solver(solve, method, isolate=False)
+    assert report.passed is passed, report.verdict
+    assert report.verdict.startswith(words)
+    with pytest.raises(ValueError, match="one method is needed"):
+        identify_solver(solve, "sdirk_order_2")

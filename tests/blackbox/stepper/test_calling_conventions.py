@@ -61,7 +61,7 @@ def test_names_in_the_wild_tell_the_calling_convention(kind, order):
 
 @pytest.mark.parametrize("parameters", [
     *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span"),
-    *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h", "theta, omega, dt, l"),
+    *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, g, force, q, v, h", "theta, omega, dt, l"),
 ])  # fmt: skip
 def test_other_names_are_refused_in_one_line_that_shows_the_known_ones(parameters):
     step = with_parameters(parameters)

@@ -178,7 +178,8 @@ def test_what_a_class_is_shown_is_pasted_and_works(name):
 
 def test_a_solver_with_tolerances_is_run_whole_and_a_class_whose_step_takes_its_own_state_shows_no_wrapper():
     names = namespace(CLASSES)
-    assert class_run_wrapper(names["Adaptive"]) == "identify_solver(Adaptive), for a whole solver"
+    whole = "identify_solver(Adaptive), on the command line --solver, for a whole solver"
+    assert class_run_wrapper(names["Adaptive"]) == whole
     assert run_of_class(names["Adaptive"])(abs, 0.0, 1.0, tf=2.0, rtol=1e-3) == ([0.0, 2.0], [1.0, 1.0])
     assert run_of_class(names["Ball"]) is class_run_wrapper(names["Ball"]) or not class_run_wrapper(names["Ball"])
     with pytest.raises(BadInput, match=r"which no argument is: def step\(f, psi, h\): ...$"):

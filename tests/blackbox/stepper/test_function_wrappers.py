@@ -17,7 +17,7 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
     def solve(f, t_span, y0, rtol, atol):
         return None
 
-    assert wrapper_line(solve) == ": identify_solver(solve), for a whole solver"
+    assert wrapper_line(solve) == ": identify_solver(solve), on the command line --solver, for a whole solver"
     assert wrapper_line(max) == ""
     for step in (lambda q, h, mesh: None, lambda p, h, mesh: None, lambda y, h, mesh: None):
         assert "([q, v], h, MESH)" in wrapper_line(step)
@@ -50,6 +50,19 @@ def stormer(x, x_prev, acc, dt):
 
 def stormer_alone(acc, dt, x_prev, x):
     return 2 * x - x_prev + dt**2 * acc(x)
+
+def positions(acc, x0, v0, dt, n):
+    found = [x0, x0 + dt * v0 + dt**2 / 2 * acc(x0)]
+    for _ in range(n - 1):
+        found.append(2 * found[-1] - found[-2] + dt**2 * acc(found[-1]))
+    return np.array(found)
+
+def rows_of_positions(acc, x0, v0, dt, n):
+    found = np.zeros((n + 1, len(x0)))
+    found[:2] = x0, x0 + dt * v0 + dt**2 / 2 * acc(x0)
+    for i in range(1, n):
+        found[i + 1] = 2 * found[i] - found[i - 1] + dt**2 * acc(found[i])
+    return found
 
 def simulate(f, y0, t0, t_end, dt):
     times, states = [t0], [y0]
@@ -187,6 +200,7 @@ RUN = "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append({}) for i in range(
 RUN += "[v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"
 COUPLED = "import numpy; return numpy.array({0}(lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[0], "
 COUPLED += "lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[1], {3}))"
+DIFFERENCES = "xs = {}(force, q, v, h, n); return xs, [v, *((b - a) / h for a, b in zip(xs, xs[1:]))]"
 FORCED, EULER, FORWARD = "force, q, v, h", "symplectic_euler", "forward_euler"
 PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
@@ -218,6 +232,8 @@ PASTED = {
         "return run[0][-1], run[1]",
         "velocity_verlet",
     ),
+    "positions": (f"{FORCED}, n", DIFFERENCES.format("positions"), "stormer2"),
+    "rows_of_positions": (f"{FORCED}, n", DIFFERENCES.format("rows_of_positions"), "stormer2"),
     "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", FORWARD),
     "with_parameters": ("f, t, y, h", "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)", FORWARD),
 }
@@ -309,8 +325,27 @@ def test_beside_a_likelier_name_h_and_epsilon_are_no_step_sizes():
     assert opened(lambda q, p, grad_U, epsilon: (q + epsilon * p, p - epsilon * grad_U(q))).step(1.0, 0.0, 0.5)[1] < 0
 
 
+def test_positions_with_a_wrong_start_fail_in_the_run_that_is_shown_and_without_a_force_it_is_asked_for():
+    names = namespace(PLAIN.replace("dt**2 / 2 * acc(x0)", "0 * acc(x0)"))
+    exec(f"def wrapped({FORCED}, n): {DIFFERENCES.format('positions')}", names)
+    assert "its start is too inaccurate" in verify(names["wrapped"], "stormer2", isolate=False).verdict
+    with pytest.raises(BadInput, match=r"write: def step\(force, x0, v0, dt, n\): \.\.\."):
+        opened(lambda x0, v0, dt, n: names["positions"](np.negative, x0, v0, dt, n))
+
+
+def test_a_state_of_more_numbers_than_two_is_handed_on_as_it_is():
+    def cart(state, action, tau=0.02):
+        _, v, theta, omega = state
+        return state + tau * np.array([v, action, omega, theta - action])
+
+    line = wrapper_line(cart)
+    assert line == ": def wrapped(y, h): return cart(y, ACTION, h)  # write values for ACTION"
+    exec(line[2:].replace("ACTION", "1.0"), names := {"cart": cart})
+    assert "is forward_euler on its own" in verify(names["wrapped"], "forward_euler", isolate=False).verdict
+
+
 BEEMAN = """
-def beeman(force, x, v, a, a_prev, dt):
+def beeman(x, v, a, a_prev, force, dt):
     x1 = x + v * dt + (4 * a - a_prev) * dt**2 / 6
     a1 = force(x1)
     return x1, v + (2 * a1 + 5 * a - a_prev) * dt / 6, a1, a

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -275,7 +277,7 @@ def unknown(y, n, h, out, alpha):
 def test_bodies_that_attract_each_other_are_three_in_space():
     found = verify(gravity, "symplectic_euler", isolate=False, examples=30)
     assert found.passed is None
-    assert "one of 18 numbers: on it its steps are those of symplectic_euler" in found.verdict
+    assert "is symplectic_euler on its own system (one of 18 numbers)" in found.verdict
     assert verify(gravity, "symplectic_euler_position_first", isolate=False, examples=30).passed is False
 
 
@@ -314,7 +316,7 @@ def planets(typo="vy", after=False, pull=0.0):
     ("step", "passed", "words"),
     [
         (planets(), True, "is symplectic_euler on q'' = -q"),
-        (planets(pull=0.01), None, "one of 12 numbers: on it its steps are those of symplectic_euler"),
+        (planets(pull=0.01), None, "is symplectic_euler on its own system (one of 12 numbers)"),
         (planets(typo="vx"), False, "one of 12 numbers: a step of"),
         (planets(after=True, pull=0.01), False, "one of 12 numbers: a step of"),
     ],
@@ -324,3 +326,72 @@ def test_coordinates_one_by_one_are_told_apart(step, passed, words):
     found = verify(step, "symplectic_euler", examples=30, isolate=False)
     assert found.passed is passed
     assert words in found.verdict
+
+
+def infections(s, i, r, beta, gamma, dt, last=2):
+    """Heun's method of three numbers, each an argument of its own."""
+    rate = lambda s, i, r: (-beta * s * i, beta * s * i - gamma * i, gamma * i)
+    first = rate(s, i, r)
+    second = rate(s + dt * first[0], i + dt * first[1], r + dt * first[2])
+    rates = (second[0], second[1], second[last])
+    return tuple(x + dt / 2 * (a + b) for x, a, b in zip((s, i, r), first, rates, strict=True))
+
+
+def orbit(x, y, vx, vy, dt, stale=False):
+    """Velocity Verlet in the plane, one coordinate after the other."""
+    cube = (x * x + y * y) ** 1.5
+    vx, vy = vx - dt / 2 * x / cube, vy - dt / 2 * y / cube
+    x, y = x + dt * vx, y + dt * vy
+    cube = cube if stale else (x * x + y * y) ** 1.5
+    return x, y, vx - dt / 2 * x / cube, vy - dt / 2 * y / cube
+
+
+def driven_by_time(x, y, z, t, dt, late=0.0):
+    return x + dt * (y + np.cos(t + late * dt)), y - dt * x * z, z + dt * t
+
+
+def in_work_arrays(neq, t, dt, y, func, k1, k2, ytmp, half=0.5):
+    """Heun's method in arrays that it is given; it returns a status."""
+    func(neq, t, y, k1)
+    for i in range(neq):
+        ytmp[i] = y[i] + dt * k1[i]
+    func(neq, t + dt, ytmp, k2)
+    for i in range(neq):
+        y[i] += half * dt * (k1[i] + k2[i])
+    return 0
+
+
+def accelerations_of(pos, mass):
+    apart = pos[None] - pos[:, None]
+    return (apart * ((apart**2).sum(-1, keepdims=True) + 0.01) ** -1.5 * mass[None]).sum(1)
+
+
+def carried(pos, vel, acc, mass, dt, stale=False):
+    """Velocity Verlet of bodies in space, whose masses are a column; it is given its accelerations and returns them."""
+    vel = vel + dt / 2 * acc
+    pos, before = pos + dt * vel, pos
+    acc = accelerations_of(before if stale else pos, mass)
+    return pos, vel + dt / 2 * acc, acc
+
+
+def carried_force(pos, vel, F, dt, stale=False):
+    vel = vel + dt / 2 * F
+    pos, before = pos + dt * vel, pos
+    return pos, vel - dt / 2 * (before if stale else pos), -pos
+
+
+@pytest.mark.parametrize(
+    ("step", "method", "words", "wrong"),
+    [
+        (infections, "heun2", "on its own system (one of 3 numbers)", {"last": 0}),
+        (orbit, "velocity_verlet", "on its own system (one of 4 numbers)", {"stale": True}),
+        (driven_by_time, "forward_euler", "on its own system (one of 3 numbers)", {"late": 1.0}),
+        (in_work_arrays, "heun2", "to roundoff", {"half": 0.4}),
+        (carried, "velocity_verlet", "on its own system (one of 18 numbers)", {"stale": True}),
+        (carried_force, "velocity_verlet", "on q'' = -q to roundoff", {"stale": True}),
+    ],
+    ids=lambda x: getattr(x, "__name__", ""),
+)
+def test_numbers_one_by_one_work_arrays_and_carried_slopes_are_read_and_their_mistakes_fail(step, method, words, wrong):
+    assert f"is {method} {words}" in verify(step, method, examples=30, isolate=False).verdict
+    assert verify(partial(step, **wrong), method, examples=30, isolate=False).passed is False

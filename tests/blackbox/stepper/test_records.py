@@ -1,6 +1,7 @@
 """Steps of a dataclass, a dict or an object, with a force or without, are opened as they are written."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
+from types import SimpleNamespace
 from typing import TypedDict
 
 import pytest
@@ -157,3 +158,21 @@ def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_a
     assert [*record_forms(lambda state, force, mesh, dt: state)] == []
     assert [*record_forms(lambda state, force: state)] == [*record_forms(lambda state, force, h: state)] == []
     assert [*record_forms(lambda sim, mesh, h: sim)] == [*record_forms(lambda sim, h: sim)] == []
+
+
+def pair_of_heun(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h, y + h * k1)
+    return y + h / 2 * (k1 + k2), h / 2 * (k2 - k1)
+
+
+@pytest.mark.parametrize("named", [dict, SimpleNamespace, make_dataclass("Result", ["y_new", "err", "nfev"])])
+@pytest.mark.parametrize(
+    ("share", "said"), [(1.0, "is heun_euler21 to roundoff"), (2.0, "the error estimate is 2 times")]
+)
+def test_a_state_and_an_error_by_name_are_read_as_they_are_in_a_tuple(named, share, said):
+    def step(f, t, y, h):
+        y_new, err = pair_of_heun(f, t, y, h)
+        return named(y_new=y_new, err=share * err, nfev=2)
+
+    assert said in verify(step, "heun_euler21", examples=30, isolate=False).verdict

@@ -75,3 +75,19 @@ def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(co
     with pytest.raises(BadInput, match=re.escape(shown)) as caught:
         opened(list(namespace(code).values())[-1])
     assert len(str(caught.value)) < 250
+
+
+@pytest.mark.parametrize("last", [0.5, 1.0])
+def test_a_sampler_that_turns_its_velocity_around_is_shown_how_to_turn_it_back(last):
+    def sampler(q, p, grad_U, eps, L):
+        p = p - eps / 2 * grad_U(q)
+        for i in range(L):
+            q = q + eps * p
+            p = p - (eps if i < L - 1 else last * eps) * grad_U(q)
+        return q, -p
+
+    refused = verify(sampler, "velocity_verlet", isolate=False)
+    assert refused.passed is False
+    line = refused.verdict.partition("turned around; write: ")[2]
+    exec(line, names := {"sampler": sampler})
+    assert verify(names["wrapped"], "velocity_verlet", examples=30, isolate=False).passed is (last == 0.5)
