@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 3962,
     "blackbox": 20716,
     "enclosure": 3649,
-    "texts": 9332,
+    "texts": 9401,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5853
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -113,13 +113,15 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
             so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
             yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"
     for phrase, found in of_phrases.items():
-        count = len(Phrase.of(as_phrase(phrase)).exact({}).findall(text))
+        said_so = Phrase.of(as_phrase(phrase))
+        count, given = len(said_so.exact({}).findall(text)), 'given = "said of the method, not of the property"'
         for said in found if count and all(one.holds for one in found) else ():
             ids[phrase] += 1
             name = f"{phrase} ({ids[phrase]})" if ids[phrase] > 1 else phrase
             lines = [f"id = {_quoted(name)}", f"phrase = {_quoted(as_phrase(phrase))}"]
             lines += [f"count = {count}"] * (count > 1) + [f"value = {_quoted(said.question)}"]
-            yield "\n".join(["[[claim]]", *lines, *['answer = "no"'] * (said.answer == "no"), ""])
+            lines += ['answer = "no"'] * (said.answer == "no") + [given] * bool(said_so.free_numbers)
+            yield "\n".join(["[[claim]]", *lines, ""])
             if count > 1:
                 break
 

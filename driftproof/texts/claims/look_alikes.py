@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
+from itertools import takewhile
 
 from flint import arb, ctx
 
@@ -22,7 +24,7 @@ from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.claims.places import Place, asked_quantity, fact_in_column, leaves_quantity, place_of
+from driftproof.texts.claims.places import COMPARED, Place, asked_quantity, fact_in_column, leaves_quantity, place_of
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
 from driftproof.texts.claims.stated_problems import stated_questions
 from driftproof.texts.claims.tables import TextTables
@@ -50,6 +52,8 @@ _MOST_BITS = 256
 SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
+# Characters between two numbers that are said of one run: about two sentences.
+BESIDE = 200
 
 
 # A step size or a time in a question.
@@ -136,6 +140,7 @@ class LookAlikes:
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
+            denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
             elsewhere = known.stated and known not in meant and (placed or other)
@@ -164,17 +169,32 @@ class LookAlikes:
         (method,) = methods  # the stages of a splitting are counted in several ways
         return None if fact == "stages" and isinstance(METHODS.get(method), Splitting) else f"{fact} {method}"
 
+    def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
+        """True if the value compares the errors of another unknown than those right before the number are of."""
+        quantity, unknown = asked_quantity(known.question)
+        if not known.stated or quantity not in COMPARED:
+            return False
+        at = bisect_left(self._numbers, number.start, key=lambda x: x.start)
+        for before in takewhile(lambda x: number.start - x.start < BESIDE, reversed(self._numbers[:at])):
+            first = [] if self._place_of(before).quantity in {"chosen", *COMPARED} else self.look_alikes(before)[:1]
+            if any(one.strong and " : error" in one.question for one in first):
+                return asked_quantity(first[0].question)[1] != unknown
+        return unknown != ""
+
     def methods_at(self, number: TextNumber) -> frozenset[str]:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
 
     @cached_property
+    def _numbers(self) -> list[TextNumber]:
+        return [number for number in numbers_in(self.text) if number.label is None]
+
+    @cached_property
     def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
         """The numbers of each column of a table, and those outside tables."""
         found = defaultdict[tuple[int, int], list[TextNumber]](list)
-        for number in numbers_in(self.text):
-            if number.label is None:
-                found[self.tables.column_place(number)].append(number)
+        for number in self._numbers:
+            found[self.tables.column_place(number)].append(number)
         return found
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
@@ -268,7 +288,7 @@ class LookAlikes:
         if form not in self._spelled:
             table = self._spelled[form] = {}
             with stage("working out values that the text may mean") as progress:
-                for i, known in enumerate(self._known):
+                for i, known in enumerate(reversed(self._known)):  # long runs hold the shorter ones
                     progress.part = i / len(self._known)
                     with suppress(ValueError):
                         for spelling in form.spellings(known.answer):

@@ -8,14 +8,14 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain, pairwise
+from itertools import chain, compress, pairwise, product
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import STARTING, TIME_UNIT, methods_named
-from driftproof.texts.claims.places import is_head_of
+from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
+from driftproof.texts.claims.places import OBSERVED, is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
@@ -123,7 +123,15 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
             found.append((problem, equations))
         else:  # an equation in passing does not end what is said of the problem before it
             found = [(one.going_on(problem), equations) for one, equations in found]
-    return list(dict.fromkeys(chain.from_iterable(_questions(*one, text, column_of) for one in found)))
+    asked = (_questions(*one, text, column_of) for one in found)
+    return list(dict.fromkeys(chain(*asked, _stability_questions(text.lower()))))
+
+
+def _stability_questions(text: str) -> Iterator[str]:
+    """What stability functions are at the arguments that a lower-case text gives."""
+    arguments = list(dict.fromkeys(SETTING["z"].findall(text)))[:_MOST_SIZES]
+    if arguments and (methods := [key for key in METHODS if key in methods_named(text)]):
+        yield f"stability_function {{{','.join(methods[:_MOST_METHODS])}}} z={{{','.join(arguments)}}}"
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
@@ -245,7 +253,8 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
-    read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    read = [*problem.rates, *errors]
     read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
@@ -265,11 +274,14 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
             if chosen and re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
-    for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as|divides", part) else ():
-        if ends := ",".join(_shown(t) for t in fitting if t in also):
-            both = [f"h={x}, t={{{ends}}} : error" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
-            for methods in named:
-                yield f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+    of_ratios = [bool(re.search(words, part.lower())) for words in ("factor|ratio|times as|divides|fall by", OBSERVED)]
+    for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
+        ends = ",".join(_shown(t) for t in fitting if t in also)
+        for methods, error in product(named if ends else (), errors):
+            both = [f"h={x}, t={{{ends}}} : {error}" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
+            ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+            order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
+            yield from compress((ratio, order), of_ratios)
 
 
 def _starters(part: str) -> list[str]:

@@ -14,13 +14,19 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, names_limit
 from driftproof.texts.claims.known_values import KnownValue
-from driftproof.texts.claims.look_alikes import EFFORT, LIMITS_OF_METHODS, SHARE, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.look_alikes import (
+    BESIDE,
+    EFFORT,
+    LIMITS_OF_METHODS,
+    SHARE,
+    LookAlikes,
+    printed,
+    without_sizes,
+)
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Characters between two numbers that are said of one run: about two sentences.
-_BESIDE = 200
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
 _TIME = re.compile(r"\bt=[^\s,:]+")
@@ -76,6 +82,8 @@ class Suggestions(LookAlikes):
             other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
+                    if known.rank < 2 and self._place_of(number).is_of_another(known.question):
+                        continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
                         continue  # the force at the start, which a code may need once more
@@ -140,7 +148,7 @@ class Suggestions(LookAlikes):
         column, exact = bool(self.tables.row_of(number)), self._place_of(number).quantity == "exact"
         beside = sorted(self._company[self.tables.column_place(number)], key=lambda x: abs(x.start - number.start))[1:]
         if not column:
-            alike = [x for x in beside if abs(x.start - number.start) < _BESIDE and form_of(x) == form_of(number)]
+            alike = [x for x in beside if abs(x.start - number.start) < BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
         held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
         for other in ("", _METHOD) if column else (_READOUT, _METHOD):

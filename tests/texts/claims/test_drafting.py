@@ -167,3 +167,9 @@ def test_a_drafted_claim_holds_the_method_the_equation_and_the_property_that_the
     found = [finding.message for one in check_claims(changed, parse_claims(drafted).claims) for finding in one.findings]
     assert len(found) >= 1
     assert all(said in message for message in found), found
+
+
+def test_a_property_with_a_number_beside_it_is_a_claim_that_can_be_checked():
+    document = document_of("RK4, of order 4, is not symplectic.", "plain")
+    assert held(document, drafted := draft(document, "a"))["value"] == 1
+    assert 'value = "symplectic rk4"' in drafted
