@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as
+from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
 from driftproof.texts.values.published import published_values
 
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
@@ -221,7 +221,7 @@ def _flat(text: str) -> str:
 def _names() -> dict[str, set[str]]:
     found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
-        for name in (key, method.title, *also_known_as(key)):
+        for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
             name = _flat(name.lower())
             for form in (
                 name,
@@ -235,7 +235,7 @@ def _names() -> dict[str, set[str]]:
 @cache
 def spoken_names() -> re.Pattern[str]:
     """A pattern that matches the longest method name at each place."""
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b(?![.,/][0-9])")
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})(?!\w|[.,/][0-9])")
 
 
 def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:

@@ -18,11 +18,13 @@ from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, place
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.properties import Said, properties_in, properties_in_tables
 from driftproof.texts.claims.spellings import digits_of
-from driftproof.texts.claims.stated_problems import equations_in, parameters_in
+from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
 from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 
+# What the remarks say on an equation that no value is about, and on a problem that no number is of.
+UNREAD, BELONGS = "is not read as a problem", "belongs to the problem"
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
@@ -59,7 +61,15 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
         drafted.append("# Read from the text:\n" + "".join(f"# --ask {_quoted(one)}\n" for one in suggestions.stated))
+        drafted += [
+            f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
+            for problem, numbers in suggestions.foreign_problems()
+        ]
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in counted}, ids)
+    open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
+    if open_numbers and not any(" t={" in one for one in suggestions.stated) and (unread := unread_equation(text)):
+        at, equation, why = unread
+        drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
     questions = {member.number.start: member.alike[0].question for member in members if member.strong}
     for *room, group in uncovered([*groups(text, members, fences)], fences, covered):

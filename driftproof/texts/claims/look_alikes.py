@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import takewhile
+from itertools import chain, takewhile
+from typing import Any
 
 from flint import arb, ctx
 
@@ -21,12 +22,20 @@ from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.calculations import Calculation, calculations_in
-from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named
+from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named, sentence_around
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.claims.places import COMPARED, Place, asked_quantity, fact_in_column, leaves_quantity, place_of
+from driftproof.texts.claims.places import (
+    COMPARED,
+    Place,
+    asked_quantity,
+    fact_in_column,
+    fact_said,
+    leaves_quantity,
+    place_of,
+)
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_problems import stated_questions
+from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
 from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
@@ -164,6 +173,8 @@ class LookAlikes:
         fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             fact = "angle"
+        if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end))):
+            fact, methods = said
         if not fact or len(methods) != 1:
             return None
         (method,) = methods  # the stages of a splitting are counted in several ways
@@ -215,6 +226,8 @@ class LookAlikes:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
             if table >= 0 and self.stated and leaves_quantity(self.tables.column_of(number)):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
+            if table in self._steps and "h" not in place.near:
+                place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
             self._places[number.start] = place
         return self._places[number.start]
 
@@ -223,24 +236,39 @@ class LookAlikes:
 
     @cached_property
     def _quantities(self) -> dict[int, str]:
-        """What a table gives whose heads do not say it, by where it begins: half of its numbers, at least 3, say it."""
+        """What a table gives whose heads do not say it, by where it begins."""
+        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x)))
+
+    @cached_property
+    def _steps(self) -> dict[int, Fraction]:
+        """The one step size of a table that does not say it, by where it begins."""
+        return self._most_of_tables("h", lambda x: "h" not in self._named_at(x).near)
+
+    def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:
+        """What half of the numbers of a table say, at least 3: the quantity, or the step size of those with one."""
         tables = defaultdict[int, list[TextNumber]](list)
-        for (table, _), numbers in self._company.items():
-            tables[table] += [x for x in numbers if leaves_quantity(self.tables.column_of(x))]
-        found = dict[int, str]()
+        for (table, _), numbers in self._company.items() if self.stated else ():
+            tables[table] += [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2 and counts(x)]
+        found = dict[int, Any]()
         for table, numbers in tables.items():
-            tally = Counter(quantity for x in numbers for quantity in self._quantities_of(x))
-            quantity, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
-            if count >= max(3, len(numbers) / 2):
-                found[table] = quantity
+            said = [self._said_by(x, what) for x in numbers]
+            tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
+            most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
+            if count >= max(3, of / 2):
+                found[table] = most
         return found
 
-    def _quantities_of(self, number: TextNumber) -> set[str]:
-        """The quantities of which the number has a value that its row and head name, if it has three digits."""
-        place = self._named_at(number)
-        alike = self._written(form_of(number)).get(spelled(number), ()) if len(digits_of(number.text)) > 2 else ()
-        stated = {known: asked_quantity(known.question)[0] for known in alike if known.stated}
-        return {q for known, q in stated.items() if replace(place, quantity=q).means(known.question, known.keys)}
+    def _said_by(self, number: TextNumber, what: str) -> set[Any]:
+        """The quantities, or the step sizes, of which the number has a value that its row and head name."""
+        place, found = self._named_at(number), set[Any]()
+        for known in self._written(form_of(number)).get(spelled(number), ()):
+            quantity, sizes = asked_quantity(known.question)[0], SETTING["h"].findall(known.question)
+            said: Any = quantity if what == "quantity" else next(map(Fraction, sizes), None)
+            of = place.settings | {"h": said} if what == "h" else place.settings
+            at = replace(place, settings=of, quantity=quantity if what == "quantity" else place.quantity)
+            if known.stated and said is not None and at.means(known.question, known.keys):
+                found.add(said)
+        return found
 
     @cached_property
     def _sizes(self) -> set[Fraction]:
@@ -253,6 +281,9 @@ class LookAlikes:
         asked = " ".join((*self.asked, *self.stated)).lower()
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
+        own = {*speeds.values()}
+        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x), also called v, or omega where the text says so
+            speeds |= dict.fromkeys(("v", *speeds_named(self._lower, min(own)[1:])), min(own))
         return speeds | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:

@@ -17,6 +17,7 @@ from driftproof.texts.claims.contradictions import (
     methods_asked,
     methods_named,
     sentence_around,
+    spoken_names,
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
@@ -58,14 +59,20 @@ _HEADS = {
     "n": r"n|(?:number of |n_?)?steps",
     "z": r"z|h ?[*·]? ?λ",
 }
+# Words near an order that is not the method's own.
+_OF_SOMETHING_ELSE = re.compile(
+    r"\b(?:local|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
+    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
+)
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
 # Fact of a method -> what the head of its column says.
 _FACTS = {
     "stages": r"stages?\b",
     "error_constant": r"error constant",
-    "imaginary_limit": r"imaginary\b",
-    "real_limit": r"(?:negative )?real\b",
+    "imaginary_limit": r"(?:.*\b(?:interval|limit|bound).*)?\bimaginary\b",
+    "real_limit": r"(?:.*\b(?:interval|limit|bound).*)?\b(?:negative )?real\b",
+    "limit_at_infinity": r"r\((?:∞|oo)\)",
     "order": r"(?:order|p\Z)\b",
 }
 _AT_START = re.compile(
@@ -263,6 +270,18 @@ def _settings(
 def fact_in_column(head: str) -> str | None:
     """The fact about methods that a column with this head, in lower case, gives."""
     return next((fact for fact, said in _FACTS.items() if re.match(said, head)), None)
+
+
+def fact_said(before: str, after: str) -> tuple[str, frozenset[str]] | None:
+    """The fact of a number in a sentence, and the methods named, as in "RK4, of order 4" and "R(∞) = 0"; else None."""
+    if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
+        return None
+    if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
+        return "limit_at_infinity", frozenset(last_methods_named(before))
+    named = rf"({spoken_names().pattern})(?: (?:method|rule|scheme))?(?::|,| has| is)?(?: (?:of|the|a))*"
+    found = re.search(rf"{named} order (?:is |= ?)?\Z", re.sub("[-\n]", " ", before))
+    only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
+    return ("order", frozenset(methods_named(found[1]))) if found and only else None
 
 
 def leaves_quantity(head: str) -> bool:

@@ -48,6 +48,9 @@ _EQUATION = re.compile(
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
+# Derivatives that are not read: with dots, and as operators.
+_DOTTED = r"[^\W\d](?:[\u0307\u0308]|_?d?dot)|[ẋẏżẍÿ]|D_?t? ?[^\W\d]"
+_OTHER_DERIVATIVE = re.compile(rf"(?<!\w)(?:{_DOTTED})(?: ?\(t\))? ?= ?[^,;=\n]{{1,40}}")
 # A sentence or a line ends, or a word follows that is no function.
 _ENDS_RATE = re.compile(rf"\n|[.;](?!\d)| (?!(?:{'|'.join(FUNCTIONS)})\b)(?=[a-z]{{2,}}\b(?!\())")
 _ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
@@ -69,15 +72,19 @@ class _Problem:
     @property
     def equations(self) -> str | None:
         """The equations and the start as a question has them; None if the text gives no start."""
-        starts = {name: self._start(name, i) for i, name in enumerate(self.rates)}
-        if None in starts.values():
+        if self.without_start:
             return None
-        given = [f"{name}(0)={start}" for name, start in starts.items()]
+        given = [f"{name}(0)={self._start(name, i)}" for i, name in enumerate(self.rates)]
         found = ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
         with suppress(QuestionError):
             parse_question(f"exact {found}, t=1 : {next(iter(self.rates))}")
             return found
         return None
+
+    @property
+    def without_start(self) -> list[str]:
+        """The unknowns whose start the text does not give."""
+        return [name for i, name in enumerate(self.rates) if self._start(name, i) is None]
 
     def going_on(self, other: _Problem) -> _Problem:
         """The problem with the part about the other one, too, if that is the next part of the text."""
@@ -98,7 +105,8 @@ class _Problem:
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
             return _start_of(found[index + 1])
         speed = "" if of == name else f"|{of}'"
-        found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE})", near)
+        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))"
+        found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE}){later}", near)
         return _start_of(found[1]) if found else None
 
 
@@ -125,6 +133,31 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
             found = [(one.going_on(problem), equations) for one, equations in found]
     asked = (_questions(*one, text, column_of) for one in found)
     return list(dict.fromkeys(chain(*asked, _stability_questions(text.lower()))))
+
+
+def speeds_named(text: str, name: str) -> list[str]:
+    """The other names of the derivative of an unknown, as omega where the text says omega = theta'."""
+    return re.findall(
+        rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])", with_greek_spelled(text)
+    )
+
+
+def unread_equation(text: str) -> tuple[int, str, str] | None:
+    """The place of an equation of a text that is not read as a problem, the equation, and the reason; None for none."""
+    names = {match["name"] or match["d"] or match["dd"] for match in _EQUATION.finditer(text)}
+    unknowns = [name for one in names for name in (with_greek_spelled(one), f"d{with_greek_spelled(one)}")]
+    for start, end in equations_in(text):
+        spelled = with_greek_spelled(_plain(text[start:end].partition("=")[2]))
+        for word in _WORD.findall(spelled):
+            try:
+                _meant(word, unknowns, with_greek_spelled(text))
+            except LookupError:
+                return start, text[start:end].strip(), f"{word} is given no value"
+    for problem in _problems(text):
+        for name in problem.without_start:
+            return problem.at, f"{name}'={problem.rates[name]}", f"no start is given, such as {name}(0) = 1"
+    other = _OTHER_DERIVATIVE.search(text)
+    return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
 
 
 def _stability_questions(text: str) -> Iterator[str]:
@@ -178,7 +211,8 @@ def _problems(text: str) -> Iterator[_Problem]:
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:
-            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")  # also 0.4x'
+            speeds = "".join(rf"|(?<!\w){speed}(?![\w'])" for speed in speeds_named(spelled, name) if speed not in raw)
+            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
             energies = [rated.sub(f"d{name}", energy) for energy in energies]
         part = text[:end]

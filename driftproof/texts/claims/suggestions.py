@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -34,6 +34,7 @@ _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
+_EQUATIONS = re.compile(r"\w+'=.*?(?=, (?:energy=|h=|t=))")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 
@@ -59,6 +60,17 @@ class Suggestions(LookAlikes):
             for question in missed.keys() & self.slips(number).keys():
                 missed[question][2].append(number)
         return [*missed.values()]
+
+    def foreign_problems(self) -> Iterator[tuple[str, int]]:
+        """The problems that were read, each with how many numbers should be of it, if at least 3 and none is."""
+        meant, own = defaultdict[str, list[TextNumber]](list), set[str]()
+        for number in self._numbers:
+            said = [known.question for known in self._meant_at(number) if known.stated]
+            for problem in {_problem_of(one) for one in said} if len(digits_of(number.text)) > 2 else ():
+                meant[problem].append(number)
+            first = [one.question for one in self.look_alikes(number)[:1] if one.strong]
+            own |= {_problem_of(one) for one in (*first, *self.slips(number))}
+        yield from ((one, len(numbers)) for one, numbers in meant.items() if one not in {"", *own} and len(numbers) > 2)
 
     def slips(self, number: TextNumber) -> dict[str, str]:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
@@ -97,7 +109,11 @@ class Suggestions(LookAlikes):
                     if limit.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
-            if (fact := self._fact_at(number)) in first:
+            if (fact := self._fact_at(number)) and not self.tables.row_of(number):
+                answer = next((each.answer for each in self._known if each.question == fact), None)
+                own = form_of(number).spellings(answer) if answer and answer.is_number else []
+                found |= {fact: own[0]} if own and spelled(number) not in own else {}
+            elif fact in first:
                 found |= self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
@@ -172,3 +188,9 @@ class Suggestions(LookAlikes):
     def _stated_values(self) -> set[str]:
         """The questions of all values that are about stated problems."""
         return {known.question for known in self._known if known.stated}
+
+
+def _problem_of(question: str) -> str:
+    """The equations and starts in a question, "" if there are none."""
+    found = _EQUATIONS.search(question)
+    return found[0] if found else ""

@@ -404,3 +404,62 @@ def test_a_state_in_brackets_is_at_the_time_behind_it():
     )
     assert claimed["2.20804"].endswith("t=0.2 : u")
     assert slips == {}
+
+
+FACTS_SAID = [
+    ("* Gauss with two stages: order {}, A-stable.", "4", "3", "order gauss2 is 4"),
+    ("RK4, of order {}, is explicit.", "4", "5", "order rk4 is 4"),
+    ("* Trapezoidal rule: order 2, R(∞) = {}.", "-1", "0", "limit_at_infinity trapezoid is -1"),
+    ("The SSPRK(4,3) method has order {}.", "3", "4", "order ssprk43 is 3"),
+]
+
+
+@pytest.mark.parametrize(("said", "right", "wrong", "slip"), FACTS_SAID)
+def test_an_order_or_a_limit_right_behind_the_name_of_its_method_is_that_of_the_method(said, right, wrong, slip):
+    for number, slips in ((right, {}), (wrong, dict([slip.split(" is ")]))):
+        text = said.format(number)
+        at = text.index(number, text.index(" = ") if "∞" in text else text.index("order"))
+        found = next(x for x in numbers_in(text) if x.start == at)
+        suggestions = Suggestions(text)
+        assert suggestions.slips(found) == slips
+        assert any(one.strong for one in suggestions.look_alikes(found)) is not bool(slips)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "RK4 has order 5 in the local error.",
+        "RK4 is of order 5 or so.",
+        "RK4 has order 3(2) here.",
+        "It is false that RK4 has order 5.",
+        "RK4: stage order 1.",
+        "RK4: |R(∞)| = 1.",
+    ],
+)
+def test_another_order_than_that_of_the_method_is_no_slip(said):
+    suggestions = Suggestions(said)
+    found = [x for x in numbers_in(said) if x.label is None]
+    assert [suggestions.slips(x) for x in found] == [{}] * len(found)
+    assert found[0].text in said
+
+
+PRINTED = """\
+x'' = -sin(x), x(0) = 1.2, x'(0) = 0, with velocity Verlet:
+
+|  t  | x | v |
+| 1.0 | 0.750793 | -0.858106 |
+| 2.0 | -0.307404 | -1.085820 |
+| 3.0 | {} | -0.412849 |
+| 4.0 | -1.059828 | 0.503024 |
+
+With h = 0.1 it has -0.194978 at t = 5, with h = 0.05 it has -0.196370.
+"""
+
+
+def test_a_table_of_one_run_has_one_step_size_and_a_value_of_another_one_is_a_slip():
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106636"))
+    assert slips == {}
+    assert claimed["-1.106636"].endswith("h=0.1, t=3 : x")
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106295"))
+    assert slips == {"-1.106295": ["-1.106636"]}
+    assert claimed["-1.106295"] == ""
