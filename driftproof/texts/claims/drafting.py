@@ -16,7 +16,7 @@ from driftproof.texts.claims.contradictions import methods_asked, methods_named
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import Said, properties_in, properties_in_tables
+from driftproof.texts.claims.properties import Said, properties_in, properties_in_items, properties_in_tables
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
 from driftproof.texts.claims.suggestions import Missed, Suggestions
@@ -29,6 +29,8 @@ UNREAD, BELONGS = "is not read as a problem", "belongs to the problem"
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
+# Chosen: questions read from the text that are shown; they differ in methods and step sizes.
+_MOST_READ = 12
 # What a draft calls perhaps wrong.
 _DOUBT = re.compile(rf"(?m)^# line [0-9]+: (.+?) {SLIP} (.+)$")
 _HEADER = """\
@@ -60,7 +62,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
-        drafted.append("# Read from the text:\n" + "".join(f"# --ask {_quoted(one)}\n" for one in suggestions.stated))
+        shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.stated[:_MOST_READ]]
+        more = f"# and {rest} more\n" if (rest := len(suggestions.stated) - _MOST_READ) > 0 else ""
+        drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
         drafted += [
             f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
             for problem, numbers in suggestions.foreign_problems()
@@ -118,7 +122,7 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
     text, of_phrases = document.text.text, dict[str, list[Said]]()
     for said in properties_in(text):
         of_phrases.setdefault(said.phrase, []).append(said)
-    for said in (*chain(*of_phrases.values()), *properties_in_tables(text)):
+    for said in (*chain(*of_phrases.values()), *properties_in_items(text), *properties_in_tables(text)):
         if not said.holds:
             so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
             yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"

@@ -39,6 +39,7 @@ from driftproof.texts.claims.stated_problems import speeds_named, stated_questio
 from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
@@ -97,9 +98,10 @@ class LookAlikes:
         self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
         said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
         no_runs = [one for one in asked_for if runs and one not in runs]
-        self._refused = dict[str, Refused]()
+        self._refused, self._unanswered = dict[str, Refused](), dict[str, QuestionError]()
         self.not_asked: dict[str, Collection[str]] = {
             "h does not divide t": no_runs,
+            "the question has no answer": self._unanswered,
             "the question itself says the value": said,
             "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
         }
@@ -330,11 +332,18 @@ class LookAlikes:
     def _known(self) -> list[KnownValue]:
         """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
 
-        Raises QuestionError if a question of the author has no answer.
+        Raises QuestionError if no question of the author has an answer.
         """
         questions = published_values() | dict.fromkeys(self._questions())
         found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
-        asked = [KnownValue(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
+        asked = list[KnownValue]()
+        for question, chosen in self.asked.items():
+            try:
+                asked.append(KnownValue(question, self._limited(question), chosen))
+            except QuestionError as error:  # of braces, one method may have no such value
+                self._unanswered[question] = error
+        if self._unanswered and not asked:
+            raise next(iter(self._unanswered.values()))
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
         for question, chosen in stated.items():
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends

@@ -89,7 +89,8 @@ class Member:
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
-        shown = others and not self.chosen
+        few = self.strong and len(digits_of(self.number.text)) < 3  # a small integer looks like much
+        shown = others and not self.chosen and not few
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 
