@@ -66,12 +66,12 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1278,
-    "methods": 5403,
+    "methods": 5422,
     "symbolic": 10471,
     "numeric": 3962,
     "blackbox": 20716,
     "enclosure": 3649,
-    "texts": 9401,
+    "texts": 9568,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5853
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 
+from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.contradictions import methods_asked, methods_named
@@ -104,6 +105,14 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
 def doubts_of(claims: str) -> dict[str, str]:
     """The numbers that a drafted claims file calls perhaps a slip, as the text writes them -> what it says of them."""
     return dict(_DOUBT.findall(claims))
+
+
+def remarks_of(claims: str, name: str) -> list[str]:
+    """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
+    said = [line[2:] for line in claims.splitlines() if line[:1] == "#"]
+    slips = [f"  {line}\n" for line in said if SLIP in line]
+    head = [f"{name}: {counted(len(slips), 'number')} to look at:\n"] * bool(slips)
+    return [*head, *slips, *(f"{name}: {line}\n" for line in said if BELONGS in line or UNREAD in line)]
 
 
 def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:

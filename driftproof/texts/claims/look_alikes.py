@@ -107,7 +107,7 @@ class LookAlikes:
         }
         self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
         self._meant: dict[int, list[KnownValue]] = {}
-        self._places: dict[int, Place] = {}
+        self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
@@ -234,7 +234,10 @@ class LookAlikes:
         return self._places[number.start]
 
     def _named_at(self, number: TextNumber) -> Place:
-        return place_of(self._lower, number.start, number.end, self.tables.row_of(number), self._unknowns)
+        if number.start not in self._named:
+            row = self.tables.row_of(number)
+            self._named[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
+        return self._named[number.start]
 
     @cached_property
     def _quantities(self) -> dict[int, str]:

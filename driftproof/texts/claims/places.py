@@ -204,7 +204,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
-    if any(is_head_of(x, head) for x in _HEADS):
+    if is_head_of("".join(_HEADS), head):
         quantity = "chosen"
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
@@ -290,6 +290,6 @@ def leaves_quantity(head: str) -> bool:
     return bool(named) and not _QUANTITY.search(head)
 
 
-def is_head_of(setting: str, head: str) -> bool:
-    """True if the head of a column, in lower case, is that of values of h, t or the number of steps."""
-    return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[](?![0-9]).*)?", head) is not None
+def is_head_of(settings: str, head: str) -> bool:
+    """True if the head of a column, in lower case, is that of values of one of the settings h, t, n and z."""
+    return any(re.fullmatch(rf"(?:{_HEADS[x]})(?: ?[(\[](?![0-9]).*)?", head) for x in settings)

@@ -69,8 +69,10 @@ class Suggestions(LookAlikes):
             for problem in {_problem_of(one) for one in said} if len(digits_of(number.text)) > 2 else ():
                 meant[problem].append(number)
             first = [one.question for one in self.look_alikes(number)[:1] if one.strong]
-            own |= {_problem_of(one) for one in (*first, *self.slips(number))}
-        yield from ((one, len(numbers)) for one, numbers in meant.items() if one not in {"", *own} and len(numbers) > 2)
+            own |= {_problem_of(one).partition("=")[0] for one in (*first, *self.slips(number))}
+        for problem, numbers in meant.items():  # with other parameters, the same problem may have them
+            if problem and problem.partition("=")[0] not in own and len(numbers) > 2:
+                yield problem, len(numbers)
 
     def slips(self, number: TextNumber) -> dict[str, str]:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
