@@ -107,7 +107,7 @@ def doubts_of(claims: str) -> dict[str, str]:
     return dict(_DOUBT.findall(claims))
 
 
-def remarks_of(claims: str, name: str) -> list[str]:
+def lines_to_look_at(claims: str, name: str) -> list[str]:
     """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
     said = [line[2:] for line in claims.splitlines() if line[:1] == "#"]
     slips = [f"  {line}\n" for line in said if SLIP in line]
