@@ -136,8 +136,8 @@ def check_command(options: Namespace) -> str:
       why = "reading time"
     """
     from driftproof.reports.progress import with_progress
-    from driftproof.support.plain_text import as_json, counted
-    from driftproof.texts.claims.members import SLIP
+    from driftproof.support.plain_text import as_json
+    from driftproof.texts.claims.drafting import lines_to_look_at
     from driftproof.texts.claims.report import TextReport, UncheckedText, check, texts_with_claims
 
     if not options.run:
@@ -149,9 +149,7 @@ def check_command(options: Namespace) -> str:
         if options.run or options.coverage or options.format != "text":
             raise ValueError("--run, --coverage and --format have no effect with --init")
         drafted = str(check(text, init=True, ask=options.ask))
-        if slips := [line[2:] for line in drafted.splitlines() if SLIP in line]:
-            sys.stderr.write(f"{text}: {counted(len(slips), 'number')} to look at:\n")
-            sys.stderr.writelines(f"  {line}\n" for line in slips)
+        sys.stderr.writelines(lines_to_look_at(drafted, str(text)))
         return drafted
     texts = [text] if options.claims else [found for given in options.text for found in texts_with_claims(given)]
     asked = {name: getattr(options, name) for name in ("claims", "ask", "coverage", "run")}

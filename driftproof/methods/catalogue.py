@@ -16,7 +16,7 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.methods.additive import Additive
 from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.names import COMMON_NAMES, KeyedTable, UnknownKey, keys_called, plain_name
+from driftproof.methods.names import COMMON_NAMES, KeyedTable, UnknownKey, counted_names, keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
 from driftproof.support.plain_text import shortened, unknown
@@ -148,6 +148,6 @@ def names_listed(text: str) -> list[str]:
 def _keys_by_title() -> dict[str, list[str]]:
     found = defaultdict[str, list[str]](list)
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
-        for plain in {plain_name(key), plain_name(method.title)}:
+        for plain in {*map(plain_name, (key, method.title, *counted_names(method.title)))}:
             found[plain].append(key)
     return found

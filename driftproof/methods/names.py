@@ -16,6 +16,7 @@ from driftproof.support.plain_text import unknown
 _Kind = TypeVar("_Kind")
 
 _ORDINALS = {"2nd": "second", "3rd": "third", "4th": "fourth", "5th": "fifth", "6th": "sixth", "8th": "eighth"}
+_DIGITS = {"two": "2", "three": "3", "four": "4", "five": "5", "six": "6"}
 _FILLER_WORDS = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
 
 # Key | other names.
@@ -190,6 +191,24 @@ def also_known_as(key: str) -> tuple[str, ...]:
     'Crank-Nicolson'
     """
     return _NAMES.get(key, ())
+
+
+def counted_names(title: str) -> list[str]:
+    """Other names of a method whose title counts its stages or steps.
+
+    >>> counted_names("Gauss, two stages (Hammer-Hollingsworth)")
+    ['Gauss with two stages', 'two-stage Gauss', 'Gauss with 2 stages', '2-stage Gauss', 'Gauss, 2 stages']
+    """
+    found = re.fullmatch(r"([^,]+), (\w+) (stage|step)s(?: \(.*\))?", title)
+    if not found:
+        return []
+    of, number, what = found.groups()
+    spelled = [
+        number,
+        *(word if number == digit else digit for word, digit in _DIGITS.items() if number in (word, digit)),
+    ]
+    names = [name for n in spelled for name in (f"{of} with {n} {what}s", f"{n}-{what} {of}", f"{of}, {n} {what}s")]
+    return [name for name in names if not title.startswith(name)]
 
 
 def _lines(text: str, separator: str | None) -> dict[str, tuple[str, ...]]:

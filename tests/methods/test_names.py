@@ -19,6 +19,7 @@ SAID = {
     "implicit Euler": "backward_euler", "explicit midpoint": "midpoint2", "TR-BDF2": "tr_bdf2",
     "Kutta's 3/8 rule": "rk38", "Velocity Verlet": "velocity_verlet", "velocity-verlet": "velocity_verlet",
     "two-stage Gauss-Legendre": "gauss2", "SSPRK(3,3), Shu-Osher": "ssprk33", "DOP853": "dop853",
+    "Gauss with two stages": "gauss2", "two-stage Radau IIA": "radau_iia2", "Radau IIA with 3 stages": "radau_iia3",
     "4th-order Runge-Kutta": "rk4", "Heun's 2nd-order method": "heun2",
 }  # fmt: skip
 

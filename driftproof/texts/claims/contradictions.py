@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as
+from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
 from driftproof.texts.values.published import published_values
 
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
@@ -62,6 +62,11 @@ SETTING = {
     x: re.compile(rf"(?<![\w.])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
     for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))
 }
+# The argument of a stability function, as in z = -10, h*lambda = -1.6 and R(-10).
+_ARGUMENT = r"(?<![\w.])(?:(?:z|h ?[*·]? ?(?:λ|lambda))\s?=\s?|[rR]\((?=-?[0-9./]+\)))"
+SETTING["z"] = re.compile(rf"{_ARGUMENT}(-?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)")
+# Before a number that bounds the orders of several methods, as in zero-stable up to order 6.
+_BOUND = re.compile(r"\b(?:up to|at (?:most|least)|below|above|beyond|than) (?:the )?order \Z")
 
 
 def contradicted(question: str, text: str, start: int, end: int, asked: bool) -> bool:
@@ -94,6 +99,8 @@ def _names_another_quantity(quantity: str, before: str, after: str) -> bool:
     """True if the sentence names another quantity, counts something else, or gives the other component."""
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _differs(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
+        return True
+    if quantity == "order" and _BOUND.search(before):
         return True
     if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
         return True
@@ -214,7 +221,7 @@ def _flat(text: str) -> str:
 def _names() -> dict[str, set[str]]:
     found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
-        for name in (key, method.title, *also_known_as(key)):
+        for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
             name = _flat(name.lower())
             for form in (
                 name,
@@ -228,7 +235,7 @@ def _names() -> dict[str, set[str]]:
 @cache
 def spoken_names() -> re.Pattern[str]:
     """A pattern that matches the longest method name at each place."""
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b(?![.,/][0-9])")
+    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})(?!\w|[.,/][0-9])")
 
 
 def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:

@@ -10,23 +10,28 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 
+from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.contradictions import methods_asked, methods_named
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import Said, properties_in, properties_in_tables
+from driftproof.texts.claims.properties import Said, properties_in, properties_in_items, properties_in_tables
 from driftproof.texts.claims.spellings import digits_of
-from driftproof.texts.claims.stated_problems import equations_in, parameters_in
+from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
 from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 
+# What the remarks say on an equation that no value is about, and on a problem that no number is of.
+UNREAD, BELONGS = "is not read as a problem", "belongs to the problem"
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
+# Chosen: questions read from the text that are shown; they differ in methods and step sizes.
+_MOST_READ = 12
 # What a draft calls perhaps wrong.
 _DOUBT = re.compile(rf"(?m)^# line [0-9]+: (.+?) {SLIP} (.+)$")
 _HEADER = """\
@@ -58,8 +63,18 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
-        drafted.append("# Read from the text:\n" + "".join(f"# --ask {_quoted(one)}\n" for one in suggestions.stated))
+        shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.stated[:_MOST_READ]]
+        more = f"# and {rest} more\n" if (rest := len(suggestions.stated) - _MOST_READ) > 0 else ""
+        drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
+        drafted += [
+            f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
+            for problem, numbers in suggestions.foreign_problems()
+        ]
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in counted}, ids)
+    open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
+    if open_numbers and not any(" t={" in one for one in suggestions.stated) and (unread := unread_equation(text)):
+        at, equation, why = unread
+        drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
     questions = {member.number.start: member.alike[0].question for member in members if member.strong}
     for *room, group in uncovered([*groups(text, members, fences)], fences, covered):
@@ -92,6 +107,14 @@ def doubts_of(claims: str) -> dict[str, str]:
     return dict(_DOUBT.findall(claims))
 
 
+def lines_to_look_at(claims: str, name: str) -> list[str]:
+    """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
+    said = [line[2:] for line in claims.splitlines() if line[:1] == "#"]
+    slips = [f"  {line}\n" for line in said if SLIP in line]
+    head = [f"{name}: {counted(len(slips), 'number')} to look at:\n"] * bool(slips)
+    return [*head, *slips, *(f"{name}: {line}\n" for line in said if BELONGS in line or UNREAD in line)]
+
+
 def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
     """Claims that equations without numbers stand in the text as they do."""
     for phrase in dict.fromkeys(as_phrase(text[start:end].strip()) for start, end in sorted(spans)):
@@ -108,18 +131,20 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
     text, of_phrases = document.text.text, dict[str, list[Said]]()
     for said in properties_in(text):
         of_phrases.setdefault(said.phrase, []).append(said)
-    for said in (*chain(*of_phrases.values()), *properties_in_tables(text)):
+    for said in (*chain(*of_phrases.values()), *properties_in_items(text), *properties_in_tables(text)):
         if not said.holds:
             so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
             yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"
     for phrase, found in of_phrases.items():
-        count = len(Phrase.of(as_phrase(phrase)).exact({}).findall(text))
+        said_so = Phrase.of(as_phrase(phrase))
+        count, given = len(said_so.exact({}).findall(text)), 'given = "said of the method, not of the property"'
         for said in found if count and all(one.holds for one in found) else ():
             ids[phrase] += 1
             name = f"{phrase} ({ids[phrase]})" if ids[phrase] > 1 else phrase
             lines = [f"id = {_quoted(name)}", f"phrase = {_quoted(as_phrase(phrase))}"]
             lines += [f"count = {count}"] * (count > 1) + [f"value = {_quoted(said.question)}"]
-            yield "\n".join(["[[claim]]", *lines, *['answer = "no"'] * (said.answer == "no"), ""])
+            lines += ['answer = "no"'] * (said.answer == "no") + [given] * bool(said_so.free_numbers)
+            yield "\n".join(["[[claim]]", *lines, ""])
             if count > 1:
                 break
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
+from itertools import chain, takewhile
+from typing import Any
 
 from flint import arb, ctx
 
@@ -19,15 +22,24 @@ from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.calculations import Calculation, calculations_in
-from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named
+from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named, sentence_around
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
-from driftproof.texts.claims.places import Place, asked_quantity, fact_in_column, leaves_quantity, place_of
+from driftproof.texts.claims.places import (
+    COMPARED,
+    Place,
+    asked_quantity,
+    fact_in_column,
+    fact_said,
+    leaves_quantity,
+    place_of,
+)
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_problems import stated_questions
+from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
 from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
@@ -50,6 +62,8 @@ _MOST_BITS = 256
 SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
+# Characters between two numbers that are said of one run: about two sentences.
+BESIDE = 200
 
 
 # A step size or a time in a question.
@@ -84,15 +98,16 @@ class LookAlikes:
         self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
         said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
         no_runs = [one for one in asked_for if runs and one not in runs]
-        self._refused = dict[str, Refused]()
+        self._refused, self._unanswered = dict[str, Refused](), dict[str, QuestionError]()
         self.not_asked: dict[str, Collection[str]] = {
             "h does not divide t": no_runs,
+            "the question has no answer": self._unanswered,
             "the question itself says the value": said,
             "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
         }
         self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
         self._meant: dict[int, list[KnownValue]] = {}
-        self._places: dict[int, Place] = {}
+        self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
@@ -136,6 +151,7 @@ class LookAlikes:
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
+            denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
             elsewhere = known.stated and known not in meant and (placed or other)
@@ -159,22 +175,39 @@ class LookAlikes:
         fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             fact = "angle"
+        if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end))):
+            fact, methods = said
         if not fact or len(methods) != 1:
             return None
         (method,) = methods  # the stages of a splitting are counted in several ways
         return None if fact == "stages" and isinstance(METHODS.get(method), Splitting) else f"{fact} {method}"
+
+    def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
+        """True if the value compares the errors of another unknown than those right before the number are of."""
+        quantity, unknown = asked_quantity(known.question)
+        if not known.stated or quantity not in COMPARED:
+            return False
+        at = bisect_left(self._numbers, number.start, key=lambda x: x.start)
+        for before in takewhile(lambda x: number.start - x.start < BESIDE, reversed(self._numbers[:at])):
+            first = [] if self._place_of(before).quantity in {"chosen", *COMPARED} else self.look_alikes(before)[:1]
+            if any(one.strong and " : error" in one.question for one in first):
+                return asked_quantity(first[0].question)[1] != unknown
+        return unknown != ""
 
     def methods_at(self, number: TextNumber) -> frozenset[str]:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
 
     @cached_property
+    def _numbers(self) -> list[TextNumber]:
+        return [number for number in numbers_in(self.text) if number.label is None]
+
+    @cached_property
     def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
         """The numbers of each column of a table, and those outside tables."""
         found = defaultdict[tuple[int, int], list[TextNumber]](list)
-        for number in numbers_in(self.text):
-            if number.label is None:
-                found[self.tables.column_place(number)].append(number)
+        for number in self._numbers:
+            found[self.tables.column_place(number)].append(number)
         return found
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
@@ -195,32 +228,52 @@ class LookAlikes:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
             if table >= 0 and self.stated and leaves_quantity(self.tables.column_of(number)):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
+            if table in self._steps and "h" not in place.near:
+                place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
             self._places[number.start] = place
         return self._places[number.start]
 
     def _named_at(self, number: TextNumber) -> Place:
-        return place_of(self._lower, number.start, number.end, self.tables.row_of(number), self._unknowns)
+        if number.start not in self._named:
+            row = self.tables.row_of(number)
+            self._named[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
+        return self._named[number.start]
 
     @cached_property
     def _quantities(self) -> dict[int, str]:
-        """What a table gives whose heads do not say it, by where it begins: half of its numbers, at least 3, say it."""
+        """What a table gives whose heads do not say it, by where it begins."""
+        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x)))
+
+    @cached_property
+    def _steps(self) -> dict[int, Fraction]:
+        """The one step size of a table that does not say it, by where it begins."""
+        return self._most_of_tables("h", lambda x: "h" not in self._named_at(x).near)
+
+    def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:
+        """What half of the numbers of a table say, at least 3: the quantity, or the step size of those with one."""
         tables = defaultdict[int, list[TextNumber]](list)
-        for (table, _), numbers in self._company.items():
-            tables[table] += [x for x in numbers if leaves_quantity(self.tables.column_of(x))]
-        found = dict[int, str]()
+        for (table, _), numbers in self._company.items() if self.stated else ():
+            tables[table] += [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2 and counts(x)]
+        found = dict[int, Any]()
         for table, numbers in tables.items():
-            tally = Counter(quantity for x in numbers for quantity in self._quantities_of(x))
-            quantity, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
-            if count >= max(3, len(numbers) / 2):
-                found[table] = quantity
+            said = [self._said_by(x, what) for x in numbers]
+            tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
+            most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
+            if count >= max(3, of / 2):
+                found[table] = most
         return found
 
-    def _quantities_of(self, number: TextNumber) -> set[str]:
-        """The quantities of which the number has a value that its row and head name, if it has three digits."""
-        place = self._named_at(number)
-        alike = self._written(form_of(number)).get(spelled(number), ()) if len(digits_of(number.text)) > 2 else ()
-        stated = {known: asked_quantity(known.question)[0] for known in alike if known.stated}
-        return {q for known, q in stated.items() if replace(place, quantity=q).means(known.question, known.keys)}
+    def _said_by(self, number: TextNumber, what: str) -> set[Any]:
+        """The quantities, or the step sizes, of which the number has a value that its row and head name."""
+        place, found = self._named_at(number), set[Any]()
+        for known in self._written(form_of(number)).get(spelled(number), ()):
+            quantity, sizes = asked_quantity(known.question)[0], SETTING["h"].findall(known.question)
+            said: Any = quantity if what == "quantity" else next(map(Fraction, sizes), None)
+            of = place.settings | {"h": said} if what == "h" else place.settings
+            at = replace(place, settings=of, quantity=quantity if what == "quantity" else place.quantity)
+            if known.stated and said is not None and at.means(known.question, known.keys):
+                found.add(said)
+        return found
 
     @cached_property
     def _sizes(self) -> set[Fraction]:
@@ -233,6 +286,9 @@ class LookAlikes:
         asked = " ".join((*self.asked, *self.stated)).lower()
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
+        own = {*speeds.values()}
+        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x), also called v, or omega where the text says so
+            speeds |= dict.fromkeys(("v", *speeds_named(self._lower, min(own)[1:])), min(own))
         return speeds | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:
@@ -268,7 +324,7 @@ class LookAlikes:
         if form not in self._spelled:
             table = self._spelled[form] = {}
             with stage("working out values that the text may mean") as progress:
-                for i, known in enumerate(self._known):
+                for i, known in enumerate(reversed(self._known)):  # long runs hold the shorter ones
                     progress.part = i / len(self._known)
                     with suppress(ValueError):
                         for spelling in form.spellings(known.answer):
@@ -279,11 +335,18 @@ class LookAlikes:
     def _known(self) -> list[KnownValue]:
         """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
 
-        Raises QuestionError if a question of the author has no answer.
+        Raises QuestionError if no question of the author has an answer.
         """
         questions = published_values() | dict.fromkeys(self._questions())
         found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
-        asked = [KnownValue(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
+        asked = list[KnownValue]()
+        for question, chosen in self.asked.items():
+            try:
+                asked.append(KnownValue(question, self._limited(question), chosen))
+            except QuestionError as error:  # of braces, one method may have no such value
+                self._unanswered[question] = error
+        if self._unanswered and not asked:
+            raise next(iter(self._unanswered.values()))
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
         for question, chosen in stated.items():
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends

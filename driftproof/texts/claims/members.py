@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.look_alikes import LookAlike
+from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import TextNumber
@@ -24,8 +25,6 @@ _SETTING = re.compile(
 _LONGEST_SETTING = 20
 # Words before the limit of a step size, as in stable up to h = 1.4.
 _LIMIT = re.compile(r"\b(?:up to|out to|until|at most|stable for|limit|largest step)\b[^.;,]{0,20}\Z")
-# The head of a column of such numbers.
-_HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[](?![0-9]).*)?")
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
 _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
@@ -61,11 +60,12 @@ class Member:
         if found and _LIMIT.search(text[max(0, start - _LONGEST_SETTING) : start + found.start()].lower()):
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
-        if _HEAD_OF_SETTINGS.fullmatch(suggestions.tables.column_of(number)):
+        head = suggestions.tables.column_of(number)
+        if is_head_of("htnz", head) or re.fullmatch(r"(?:[kλω]|step)(?: ?[(\[](?![0-9]).*)?", head):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()
-        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.tables.column_of(number))
+        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else head)
         if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
             setting = None
         until = number.end
@@ -89,7 +89,8 @@ class Member:
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
-        shown = others and not self.chosen
+        few = self.strong and len(digits_of(self.number.text)) < 3  # a small integer looks like much
+        shown = others and not self.chosen and not few
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 

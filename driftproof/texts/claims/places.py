@@ -17,13 +17,18 @@ from driftproof.texts.claims.contradictions import (
     methods_asked,
     methods_named,
     sentence_around,
+    spoken_names,
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
+# Words for the logarithm of the ratio of two errors.
+OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
+    "observed_order": OBSERVED,
+    "stability": r"stability functions?|amplification factors?|growth factors?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "ratio": r"factor|ratio|times as|divides",
     "relative_error": r"relative(?: errors?)?",
@@ -52,13 +57,22 @@ _HEADS = {
     "h": r"h|dt|δt|step ?size",
     "t": rf"t(?:_[ni])?|t_\{{?n\}}?|time|{TIME_UNIT}s?",
     "n": r"n|(?:number of |n_?)?steps",
+    "z": r"z|h ?[*·]? ?λ",
 }
+# Words near an order that is not the method's own.
+_OF_SOMETHING_ELSE = re.compile(
+    r"\b(?:local|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
+    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
+)
+# Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
+COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
 # Fact of a method -> what the head of its column says.
 _FACTS = {
     "stages": r"stages?\b",
     "error_constant": r"error constant",
-    "imaginary_limit": r"imaginary\b",
-    "real_limit": r"(?:negative )?real\b",
+    "imaginary_limit": r"(?:.*\b(?:interval|limit|bound).*)?\bimaginary\b",
+    "real_limit": r"(?:.*\b(?:interval|limit|bound).*)?\b(?:negative )?real\b",
+    "limit_at_infinity": r"r\((?:∞|oo)\)",
     "order": r"(?:order|p\Z)\b",
 }
 _AT_START = re.compile(
@@ -104,6 +118,10 @@ class Place:
             return True
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
 
+    def is_of_another(self, question: str) -> bool:
+        """True if the words here are those of stability functions or observed orders, and the question is not."""
+        return self.quantity in _CERTAIN and asked_quantity(question)[0] != self.quantity
+
     def has_step(self, question: str) -> bool:
         """True if the step size of the question is the one here, or one of both has none."""
         asked = _asked_settings(question)["h"]
@@ -113,7 +131,7 @@ class Place:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
         for x, given in _asked_settings(question).items():
-            if given and self.settings.get(x) not in (given if quantity == "ratio" else given[:1]):
+            if given and self.settings.get(x) not in (given if quantity in COMPARED else given[:1]):
                 return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
@@ -128,11 +146,15 @@ def _asked_settings(question: str) -> dict[str, list[Fraction]]:
 @cache
 def asked_quantity(question: str) -> tuple[str, str]:
     """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
-    readout = question.removesuffix(", 1)").rpartition(" : ")[2].rstrip(")")
+    readout = re.sub(r"\).*", "", question.removesuffix(", 1)").rpartition(" : ")[2])
     kind, _, unknown = readout.rpartition(".")
-    unknown = "" if "rates=" in question else unknown  # y0, y1, ... need not be the names in the text
-    if question.startswith(("ratio(", "R(")):
-        return "ratio", ""
+    unknown = (
+        "" if "rates=" in question or " : " not in question else unknown
+    )  # y0, y1, ... need not be the names in the text
+    if question.startswith("stability_function "):
+        return "stability", ""
+    if question.startswith(("ratio(", "R(", "log2(ratio(", "ln(ratio(")):
+        return "observed_order" if question.startswith("l") else "ratio", readout.partition(".")[2]
     if " : " not in question:
         return "fact", ""
     if question.startswith("percent("):
@@ -177,17 +199,20 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
-    if re.search(r"\bdivide[sd]?\b.* by \Z", before):
+    if re.search(r"\bdivide[sd]?\b.* by \Z|\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
-    if any(is_head_of(x, head) for x in _HEADS):
+    if is_head_of("".join(_HEADS), head):
         quantity = "chosen"
-    pair = _PAIR.search(before) if quantity == "ratio" else None
-    if pair:
-        settings["h"] = Fraction(pair[2])
-    elif quantity == "ratio" and "h" not in near:  # which of several pairs of step sizes is not said
+    if name == "r" and name not in unknowns and "z" in settings:
+        quantity, name = "stability", None
+    elif not quantity and near & {*"hzt"} == {"z"}:
+        quantity = "stability"
+    if quantity in COMPARED and (pairs := _PAIR.findall(text[max(0, start - _NEAR) : start].rpartition("\n\n")[2])):
+        settings["h"], near = Fraction(pairs[-1][1]), near | {"h"}
+    elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
     listed = None if row else method_in_list(before, after)
     methods = listed or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
@@ -217,9 +242,11 @@ def _settings(
     """Step size and time of the row, the head, the sentence, or the last before it; which are near; is the time?"""
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
-    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in "htn"}
+    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in _HEADS}
     settings, near = dict[str, Fraction](), dict[str, list[str]]()
-    for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
+    if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + _BESIDE]):  # (0.5, 0.1) at t = 0.2
+        end += state.end()
+    for x, pattern in {**SETTING, "t": _TIME}.items():
         beside = re.match(rf",? ?(?:\w{{2,5}} )?{pattern.pattern}", text[end : end + _BESIDE])
         if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
             beside = None if text[end : end + 1] == "," else beside
@@ -245,12 +272,24 @@ def fact_in_column(head: str) -> str | None:
     return next((fact for fact, said in _FACTS.items() if re.match(said, head)), None)
 
 
+def fact_said(before: str, after: str) -> tuple[str, frozenset[str]] | None:
+    """The fact of a number in a sentence, and the methods named, as in "RK4, of order 4" and "R(∞) = 0"; else None."""
+    if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
+        return None
+    if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
+        return "limit_at_infinity", frozenset(last_methods_named(before))
+    named = rf"({spoken_names().pattern})(?: (?:method|rule|scheme))?(?::|,| has| is)?(?: (?:of|the|a))*"
+    found = re.search(rf"{named} order (?:is |= ?)?\Z", re.sub("[-\n]", " ", before))
+    only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
+    return ("order", frozenset(methods_named(found[1]))) if found and only else None
+
+
 def leaves_quantity(head: str) -> bool:
     """True if the head of a column names a method or a step size, so that what is read stands above the table."""
     named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
     return bool(named) and not _QUANTITY.search(head)
 
 
-def is_head_of(setting: str, head: str) -> bool:
-    """True if the head of a column, in lower case, is that of values of h, t or the number of steps."""
-    return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[](?![0-9]).*)?", head) is not None
+def is_head_of(settings: str, head: str) -> bool:
+    """True if the head of a column, in lower case, is that of values of one of the settings h, t, n and z."""
+    return any(re.fullmatch(rf"(?:{_HEADS[x]})(?: ?[(\[](?![0-9]).*)?", head) for x in settings)

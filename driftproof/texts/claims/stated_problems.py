@@ -8,14 +8,14 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain, pairwise
+from itertools import chain, compress, pairwise, product
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import STARTING, TIME_UNIT, methods_named
-from driftproof.texts.claims.places import is_head_of
+from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
+from driftproof.texts.claims.places import OBSERVED, is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
@@ -48,6 +48,9 @@ _EQUATION = re.compile(
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
+# Derivatives that are not read: with dots, and as operators.
+_DOTTED = r"[^\W\d](?:[\u0307\u0308]|_?d?dot)|[ẋẏżẍÿ]|D_?t? ?[^\W\d]"
+_OTHER_DERIVATIVE = re.compile(rf"(?<!\w)(?:{_DOTTED})(?: ?\(t\))? ?= ?[^,;=\n]{{1,40}}")
 # A sentence or a line ends, or a word follows that is no function.
 _ENDS_RATE = re.compile(rf"\n|[.;](?!\d)| (?!(?:{'|'.join(FUNCTIONS)})\b)(?=[a-z]{{2,}}\b(?!\())")
 _ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
@@ -69,15 +72,19 @@ class _Problem:
     @property
     def equations(self) -> str | None:
         """The equations and the start as a question has them; None if the text gives no start."""
-        starts = {name: self._start(name, i) for i, name in enumerate(self.rates)}
-        if None in starts.values():
+        if self.without_start:
             return None
-        given = [f"{name}(0)={start}" for name, start in starts.items()]
+        given = [f"{name}(0)={self._start(name, i)}" for i, name in enumerate(self.rates)]
         found = ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
         with suppress(QuestionError):
             parse_question(f"exact {found}, t=1 : {next(iter(self.rates))}")
             return found
         return None
+
+    @property
+    def without_start(self) -> list[str]:
+        """The unknowns whose start the text does not give."""
+        return [name for i, name in enumerate(self.rates) if self._start(name, i) is None]
 
     def going_on(self, other: _Problem) -> _Problem:
         """The problem with the part about the other one, too, if that is the next part of the text."""
@@ -98,7 +105,8 @@ class _Problem:
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
             return _start_of(found[index + 1])
         speed = "" if of == name else f"|{of}'"
-        found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE})", near)
+        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))"
+        found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE}){later}", near)
         return _start_of(found[1]) if found else None
 
 
@@ -123,7 +131,40 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
             found.append((problem, equations))
         else:  # an equation in passing does not end what is said of the problem before it
             found = [(one.going_on(problem), equations) for one, equations in found]
-    return list(dict.fromkeys(chain.from_iterable(_questions(*one, text, column_of) for one in found)))
+    asked = (_questions(*one, text, column_of) for one in found)
+    return list(dict.fromkeys(chain(*asked, _stability_questions(text.lower()))))
+
+
+def speeds_named(text: str, name: str) -> list[str]:
+    """The other names of the derivative of an unknown, as omega where the text says omega = theta'."""
+    return re.findall(
+        rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])", with_greek_spelled(text)
+    )
+
+
+def unread_equation(text: str) -> tuple[int, str, str] | None:
+    """The place of an equation of a text that is not read as a problem, the equation, and the reason; None for none."""
+    names = {match["name"] or match["d"] or match["dd"] for match in _EQUATION.finditer(text)}
+    unknowns = [name for one in names for name in (with_greek_spelled(one), f"d{with_greek_spelled(one)}")]
+    for start, end in equations_in(text):
+        spelled = with_greek_spelled(_plain(text[start:end].partition("=")[2]))
+        for word in _WORD.findall(spelled):
+            try:
+                _meant(word, unknowns, with_greek_spelled(text))
+            except LookupError:
+                return start, text[start:end].strip(), f"{word} is given no value"
+    for problem in _problems(text):
+        for name in problem.without_start:
+            return problem.at, f"{name}'={problem.rates[name]}", f"no start is given, such as {name}(0) = 1"
+    other = _OTHER_DERIVATIVE.search(text)
+    return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
+
+
+def _stability_questions(text: str) -> Iterator[str]:
+    """What stability functions are at the arguments that a lower-case text gives."""
+    arguments = list(dict.fromkeys(SETTING["z"].findall(text)))[:_MOST_SIZES]
+    if arguments and (methods := [key for key in METHODS if key in methods_named(text)]):
+        yield f"stability_function {{{','.join(methods[:_MOST_METHODS])}}} z={{{','.join(arguments)}}}"
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
@@ -170,7 +211,8 @@ def _problems(text: str) -> Iterator[_Problem]:
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:
-            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")  # also 0.4x'
+            speeds = "".join(rf"|(?<!\w){speed}(?![\w'])" for speed in speeds_named(spelled, name) if speed not in raw)
+            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
             energies = [rated.sub(f"d{name}", energy) for energy in energies]
         part = text[:end]
@@ -245,7 +287,8 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
-    read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    read = [*problem.rates, *errors]
     read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
@@ -265,11 +308,14 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
             if chosen and re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
-    for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as|divides", part) else ():
-        if ends := ",".join(_shown(t) for t in fitting if t in also):
-            both = [f"h={x}, t={{{ends}}} : error" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
-            for methods in named:
-                yield f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+    of_ratios = [bool(re.search(words, part.lower())) for words in ("factor|ratio|times as|divides|fall by", OBSERVED)]
+    for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
+        ends = ",".join(_shown(t) for t in fitting if t in also)
+        for methods, error in product(named if ends else (), errors):
+            both = [f"h={x}, t={{{ends}}} : {error}" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
+            ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+            order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
+            yield from compress((ratio, order), of_ratios)
 
 
 def _starters(part: str) -> list[str]:

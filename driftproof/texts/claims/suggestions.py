@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -14,13 +14,19 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, names_limit
 from driftproof.texts.claims.known_values import KnownValue
-from driftproof.texts.claims.look_alikes import EFFORT, LIMITS_OF_METHODS, SHARE, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.look_alikes import (
+    BESIDE,
+    EFFORT,
+    LIMITS_OF_METHODS,
+    SHARE,
+    LookAlikes,
+    printed,
+    without_sizes,
+)
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Characters between two numbers that are said of one run: about two sentences.
-_BESIDE = 200
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
 _TIME = re.compile(r"\bt=[^\s,:]+")
@@ -28,6 +34,7 @@ _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
+_EQUATIONS = re.compile(r"\w+'=.*?(?=, (?:energy=|h=|t=))")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 
@@ -54,6 +61,19 @@ class Suggestions(LookAlikes):
                 missed[question][2].append(number)
         return [*missed.values()]
 
+    def foreign_problems(self) -> Iterator[tuple[str, int]]:
+        """The problems that were read, each with how many numbers should be of it, if at least 3 and none is."""
+        meant, own = defaultdict[str, list[TextNumber]](list), set[str]()
+        for number in self._numbers:
+            said = [known.question for known in self._meant_at(number) if known.stated]
+            for problem in {_problem_of(one) for one in said} if len(digits_of(number.text)) > 2 else ():
+                meant[problem].append(number)
+            first = [one.question for one in self.look_alikes(number)[:1] if one.strong]
+            own |= {_problem_of(one).partition("=")[0] for one in (*first, *self.slips(number))}
+        for problem, numbers in meant.items():  # with other parameters, the same problem may have them
+            if problem and problem.partition("=")[0] not in own and len(numbers) > 2:
+                yield problem, len(numbers)
+
     def slips(self, number: TextNumber) -> dict[str, str]:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
 
@@ -76,6 +96,8 @@ class Suggestions(LookAlikes):
             other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
+                    if known.rank < 2 and self._place_of(number).is_of_another(known.question):
+                        continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
                         continue  # the force at the start, which a code may need once more
@@ -89,7 +111,11 @@ class Suggestions(LookAlikes):
                     if limit.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
-            if (fact := self._fact_at(number)) in first:
+            if (fact := self._fact_at(number)) and not self.tables.row_of(number):
+                answer = next((each.answer for each in self._known if each.question == fact), None)
+                own = form_of(number).spellings(answer) if answer and answer.is_number else []
+                found |= {fact: own[0]} if own and spelled(number) not in own else {}
+            elif fact in first:
                 found |= self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
@@ -140,7 +166,7 @@ class Suggestions(LookAlikes):
         column, exact = bool(self.tables.row_of(number)), self._place_of(number).quantity == "exact"
         beside = sorted(self._company[self.tables.column_place(number)], key=lambda x: abs(x.start - number.start))[1:]
         if not column:
-            alike = [x for x in beside if abs(x.start - number.start) < _BESIDE and form_of(x) == form_of(number)]
+            alike = [x for x in beside if abs(x.start - number.start) < BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
         held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
         for other in ("", _METHOD) if column else (_READOUT, _METHOD):
@@ -164,3 +190,9 @@ class Suggestions(LookAlikes):
     def _stated_values(self) -> set[str]:
         """The questions of all values that are about stated problems."""
         return {known.question for known in self._known if known.stated}
+
+
+def _problem_of(question: str) -> str:
+    """The equations and starts in a question, "" if there are none."""
+    found = _EQUATIONS.search(question)
+    return found[0] if found else ""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn, TypeAlias
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.tableau_file import subject_of
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
@@ -154,8 +154,8 @@ def methods_table(
     """A table with a row per method and a column per fact, or per readout of the run to t with steps of size h.
 
     A column may say how to write its numbers: "state_error digits 4", "energy_change places 3", "imaginary_limit
-    exact"; otherwise they must be short. A mapping gives the titles of the columns: {"Calls": "evaluations"}. Raises
-    Refusal, and what `ask` raises.
+    exact"; otherwise they must be short. ∞ stands for oo, and a dash where a method has no such fact. A mapping gives
+    the titles of the columns: {"Calls": "evaluations"}. Raises Refusal, and what `ask` raises.
     """
     if isinstance(methods, str) or not all(isinstance(key, str) for key in methods):
         raise Refusal('methods are a list of keys, as in ["rk4", "forward_euler"]')
@@ -171,7 +171,7 @@ def methods_table(
     rows = [[style.kind.escape(name) for name in ("Method", *titles)]]
     for key in methods:
         try:
-            title = method_of(key).title
+            title = subject_of(key).title
         except ValueError as error:
             raise Refusal(str(error)) from None
         cells = (_cell(ask, style, key, column, run) for column in parsed)
@@ -184,7 +184,15 @@ def _cell(ask: _Ask, style: NumberStyle, key: str, column: re.Match[str], run: s
     of_run = head in RUN_READOUTS
     if of_run and not run:
         raise Refusal(f"the column {head!r} is a readout of a run; give h and t")
-    found = ask(style, f"run {key} {run} : {column['asked']}" if of_run else f"{head} {key} {rest}".rstrip())
+    none, infinity = (r"\textendash{}", r"\ensuremath{\infty}") if style.kind is LATEX else ("–", "∞")
+    try:
+        found = ask(style, f"run {key} {run} : {column['asked']}" if of_run else f"{head} {key} {rest}".rstrip())
+    except QuestionError as error:
+        if of_run or not re.search(r"\bhas no \w+(?:[:;]|\Z)", error.reason):
+            raise
+        return none
+    if found._value.exact_text == "oo":
+        return infinity
     if column["form"] is None:
         return str(found)
     return VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))

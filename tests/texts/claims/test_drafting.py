@@ -167,3 +167,45 @@ def test_a_drafted_claim_holds_the_method_the_equation_and_the_property_that_the
     found = [finding.message for one in check_claims(changed, parse_claims(drafted).claims) for finding in one.findings]
     assert len(found) >= 1
     assert all(said in message for message in found), found
+
+
+def test_a_property_with_a_number_beside_it_is_a_claim_that_can_be_checked():
+    document = document_of("RK4, of order 4, is not symplectic.", "plain")
+    assert held(document, drafted := draft(document, "a"))["value"] == 1
+    assert 'value = "symplectic rk4"' in drafted
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("y' = -k y, y(0) = 1: Heun has y(1) = 0.36855.", "y' = -k y is not read as a problem: k is given no value"),
+        (
+            "y' = -2y, h = 0.1: Heun has y = 0.36855 at t = 1.",
+            "y'=-2y is not read as a problem: no start is given, such as",
+        ),
+        (
+            "Dx = -2 x, x(0) = 1: Heun has x(1) = 0.36855.",
+            "Dx = -2 x is not read as a problem: a derivative is read as",
+        ),
+        ("ẍ = -4x, x(0) = 1: Heun has x(1) = 0.36855.", "ẍ = -4x is not read as a problem: a derivative is read as"),
+    ],
+)
+def test_an_equation_that_is_not_read_is_named_with_the_reason(text, said):
+    assert f"# line 1: {said}" in draft(document_of(text, "plain"), "a")
+
+
+@pytest.mark.parametrize(
+    "text", ["For y' = f(t, y) the order is 2.", "y' = -2y, y(0) = 1: Heun with h = 0.1 has 0.13901 at t = 1"]
+)
+def test_a_problem_that_is_read_and_theory_have_no_such_remark(text):
+    drafted = draft(document_of(text, "plain"), "a")
+    assert drafting.UNREAD not in drafted
+    assert drafting.BELONGS not in drafted
+
+
+@pytest.mark.parametrize(("start", "foreign"), [("1", False), ("2", True)])
+def test_a_start_to_which_no_number_belongs_is_named(start, foreign):
+    text = f"dy/dt = -2 t y², y(0) = {start}. With starting values from the solution AB2 with h = 0.1 has "
+    text += "y₂ = 0.960690, y₃ = 0.915118, y₄ = 0.858206, y₅ = 0.794947."
+    said = "# None of 4 numbers belongs to the problem that was read, y'=-2 t y^2, y(0)=2; is it this one?"
+    assert (said in draft(document_of(text, "plain"), "a")) is foreign

@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.properties import properties_in, properties_in_tables
+from driftproof.texts.claims.properties import properties_in, properties_in_items, properties_in_tables
 
 
 @pytest.mark.parametrize(
@@ -51,3 +51,16 @@ def test_a_table_says_yes_or_no_under_the_name_of_a_property():
 )
 def test_nothing_is_read_into_other_words_questions_and_denials(text):
     assert not [*properties_in(text)]
+
+
+@pytest.mark.parametrize(
+    ("said", "holds"),
+    [
+        ("Trapezoidal rule: order 2, A-stable but not L-stable.", [True, True]),
+        ("Trapezoidal rule: order 2, A-stable and L-stable.", [True, False]),
+        ("Trapezoidal rule: L-stable for no step.", []),
+        ("Gauss with two stages: symplectic?", []),
+    ],
+)
+def test_an_item_says_the_properties_of_the_method_before_its_colon(said, holds):
+    assert [one.holds for one in properties_in_items(f"Methods:\n{said}\nEnd")] == holds

@@ -354,3 +354,10 @@ def test_an_equation_in_passing_does_not_end_what_is_said_of_the_problem():
         for one in stated(f"y' = -3 (y - t), y(0) = 1. {other} λ = 2 and RK4 with h = 0.1 at t = 1")
         if "-3" in one and "run" in one
     ]
+
+
+def test_an_energy_in_another_name_of_the_derivative_is_that_of_the_problem():
+    text = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0. E = ω^2/2 - cos(θ), with ω = θ'. RK4 with h = 0.1 to t = 1."
+    energies = [one for one in stated(text) if "energy=" in one]
+    assert len(energies) == 2
+    assert all("energy=dtheta^2/2 - cos(theta), h=" in one for one in energies)

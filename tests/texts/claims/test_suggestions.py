@@ -316,3 +316,150 @@ def test_the_value_of_another_step_size_than_the_last_is_a_slip_also_where_the_t
     suggestions, number = Suggestions(text), numbers_in(text)[-1]
     assert [*suggestions.slips(number).values()] == slips
     assert any(one.strong for one in suggestions.look_alikes(number)) is not bool(slips)
+
+
+def claims_and_slips(text):
+    """What each number of a text with a point in it is claimed to be, "" for nothing, and the slips."""
+    suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if "." in x.text]
+    best = {x.text: ones[0] if (ones := suggestions.look_alikes(x)) else None for x in numbers}
+    claimed = {text: one.question if one and one.strong else "" for text, one in best.items()}
+    return claimed, {x.text: [*suggestions.slips(x).values()] for x in numbers if suggestions.slips(x)}
+
+
+@pytest.mark.parametrize(
+    ("said", "z"), [("At z = -10 the stability functions are", "-10"), ("At z = -8 the stability functions are", "-8")]
+)
+def test_the_value_of_a_stability_function_is_no_slip_of_a_run(said, z):
+    text = f"y' = -y^3, y(0) = 2 to t = 1. {said} 0.09091 for backward Euler and -0.66667 for the trapezoidal rule."
+    claimed, slips = claims_and_slips(text)
+    values = (
+        ["stability_function backward_euler z=-10", "stability_function trapezoid z=-10"] if z == "-10" else ["", ""]
+    )
+    assert [claimed["0.09091"], claimed["-0.66667"]] == values
+    assert slips == {}
+
+
+def test_one_letter_is_the_stability_function_where_its_argument_is_given():
+    text = "y' = -40 y, y(0) = 1, h = 0.04. Here h*lambda = -1.6.\nRK4  R = 0.2704\ntrapezoidal rule  R = 0.111181\n"
+    claimed, slips = claims_and_slips(text)
+    assert claimed["0.2704"] == "stability_function rk4 z=-1.6"
+    assert slips == {"0.111181": ["0.111111"]}
+
+
+HALVED = """\
+Take y' = 0.8 y (1 - y/10), y(0) = 1. The errors at t = 5 of Euler, Heun and RK4 are:
+
+| h | Euler | Heun | RK4 |
+| 0.5 | 0.09909 | 0.055000 | 2.41e-4 |
+| 0.25 | 0.04225 | 0.013780 | 1.54e-5 |
+| 0.125 | 0.01960 | 0.003462 | 9.72e-7 |
+
+Going from 0.25 to 0.125 divides the error of RK4 by 15.81; the observed orders of all three are 1.108, 1.993 and {}.
+"""
+
+
+def test_an_observed_order_is_the_logarithm_of_the_ratio_of_errors_of_the_two_step_sizes():
+    claimed, slips = claims_and_slips(HALVED.format("3.983"))
+    for spelled, method in (("1.108", "forward_euler"), ("1.993", "heun2"), ("3.983", "rk4")):
+        assert claimed[spelled].startswith(f"log2(ratio(run {method} y'=0.8 y*(1 - y/10), y(0)=1, h=0.25, t=5 : error,")
+    assert claimed["15.81"].startswith("ratio(run rk4")
+    assert slips == {}
+    # Euler's ratio, Heun's theoretical order, and the observed order of the step sizes before: no claims.
+    for other in ("2.156", "2.00", "3.971"):
+        assert claims_and_slips(HALVED.format(other))[0][other] == ""
+
+
+def test_step_sizes_that_are_not_halved_have_an_observed_order_too():
+    text = "y' = -y, y(0) = 1. The errors of Heun at t = 1 are 0.022746 for h = 1/2 and 0.0028604 for h = 1/5, "
+    claimed, _ = claims_and_slips(text + "so the observed order is 2.2628.")
+    assert claimed["2.2628"] == (
+        "ln(ratio(run heun2 y'=-y, y(0)=1, h=0.5, t=1 : error, run heun2 y'=-y, y(0)=1, h=0.2, t=1 : error))/ln(5/2)"
+    )
+
+
+def test_a_factor_is_of_the_errors_that_stand_before_it():
+    text = (
+        "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0. Velocity Verlet with h = 0.1 has an error of 0.0018566 in θ at t = 5, "
+        "and with h = 0.05 an error of 0.00046376 in θ, a factor of 4.0034 less."
+    )
+    claimed, slips = claims_and_slips(text)
+    assert claimed["4.0034"].count(" : error.theta") == 2
+    assert slips == {}
+    assert "4.0034" in text
+    whole = claims_and_slips(
+        text.replace("error of 0.0018566 in θ", "error of 0.0020617").replace("0.00046376 in θ", "0.00051486")
+    )
+    assert whole[0]["4.0034"] == ""
+
+
+def test_a_bound_on_the_orders_of_several_methods_is_the_order_of_none():
+    number = numbers_in(text := "The BDF methods are zero-stable up to order 6. BDF6")[0]
+    assert {one.question: one.strong for one in Suggestions(text).look_alikes(number)}["order bdf6"] is False
+
+
+def test_a_state_in_brackets_is_at_the_time_behind_it():
+    text = "u' = u*(1.5 - v), v' = v*(u - 2), u(0) = 2, v(0) = 1. The explicit midpoint rule with h = 0.1 has "
+    claimed, slips = claims_and_slips(
+        text + "(u, v) = (2.10250, 1.00500) at t = 0.1 and (2.20804, 1.02061) at t = 0.2."
+    )
+    assert claimed["2.20804"].endswith("t=0.2 : u")
+    assert slips == {}
+
+
+FACTS_SAID = [
+    ("* Gauss with two stages: order {}, A-stable.", "4", "3", "order gauss2 is 4"),
+    ("RK4, of order {}, is explicit.", "4", "5", "order rk4 is 4"),
+    ("* Trapezoidal rule: order 2, R(∞) = {}.", "-1", "0", "limit_at_infinity trapezoid is -1"),
+    ("The SSPRK(4,3) method has order {}.", "3", "4", "order ssprk43 is 3"),
+]
+
+
+@pytest.mark.parametrize(("said", "right", "wrong", "slip"), FACTS_SAID)
+def test_an_order_or_a_limit_right_behind_the_name_of_its_method_is_that_of_the_method(said, right, wrong, slip):
+    for number, slips in ((right, {}), (wrong, dict([slip.split(" is ")]))):
+        text = said.format(number)
+        at = text.index(number, text.index(" = ") if "∞" in text else text.index("order"))
+        found = next(x for x in numbers_in(text) if x.start == at)
+        suggestions = Suggestions(text)
+        assert suggestions.slips(found) == slips
+        assert any(one.strong for one in suggestions.look_alikes(found)) is not bool(slips)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "RK4 has order 5 in the local error.",
+        "RK4 is of order 5 or so.",
+        "RK4 has order 3(2) here.",
+        "It is false that RK4 has order 5.",
+        "RK4: stage order 1.",
+        "RK4: |R(∞)| = 1.",
+    ],
+)
+def test_another_order_than_that_of_the_method_is_no_slip(said):
+    suggestions = Suggestions(said)
+    found = [x for x in numbers_in(said) if x.label is None]
+    assert [suggestions.slips(x) for x in found] == [{}] * len(found)
+    assert found[0].text in said
+
+
+PRINTED = """\
+x'' = -sin(x), x(0) = 1.2, x'(0) = 0, with velocity Verlet:
+
+|  t  | x | v |
+| 1.0 | 0.750793 | -0.858106 |
+| 2.0 | -0.307404 | -1.085820 |
+| 3.0 | {} | -0.412849 |
+| 4.0 | -1.059828 | 0.503024 |
+
+With h = 0.1 it has -0.194978 at t = 5, with h = 0.05 it has -0.196370.
+"""
+
+
+def test_a_table_of_one_run_has_one_step_size_and_a_value_of_another_one_is_a_slip():
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106636"))
+    assert slips == {}
+    assert claimed["-1.106636"].endswith("h=0.1, t=3 : x")
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106295"))
+    assert slips == {"-1.106295": ["-1.106636"]}
+    assert claimed["-1.106295"] == ""

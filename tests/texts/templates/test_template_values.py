@@ -73,3 +73,14 @@ def test_a_table_has_ten_thousand_cells_at_most():
     for methods, columns in ((["rk4"] * 10_001, ["order"]), ([], ["order"]), (["rk4"], [])):
         with pytest.raises(Refusal, match="a table of methods has from 1 to 10000 cells"):
             methods_table(ask, style, methods, columns)
+
+
+@pytest.mark.parametrize(("kind", "infinity", "none"), [(MARKDOWN, "∞", "–"), (LATEX, r"\infty", r"\textendash")])
+def test_a_table_has_infinity_and_a_dash_where_a_method_has_no_such_fact(become, kind, infinity, none):
+    keys = '["rk4", "trapezoid", "velocity_verlet", "bdf2"]'
+    table = become("{{ methods_table(" + keys + ', {"A": "real_limit digits 4", "B": "l_stable"}) }}', kind)
+    rows = [line for line in table.splitlines() if "RK4" in line or "Trap" in line or "Verlet" in line or "BDF" in line]
+    assert [infinity in row for row in rows] == [False, True, False, True]
+    assert [row.count(none) for row in rows] == [0, 0, 2, 1]
+    with pytest.raises(TemplateProblem, match="'nosuch' is not a known fact"):
+        become('{{ methods_table(["rk4"], ["nosuch"]) }}', kind)
