@@ -21,7 +21,7 @@ WRITTEN = {
     "step([1.0, 0.75], 0.25)": lambda y, h: [y.index(y[0]), y[1]],
     "step(0.0, 1.0, 0.75, 0.25)": lambda t, x, v, dt: (x, v),
     "step(q=1.0, v=0.75, h=0.25, k=1.0)": lambda q, v, h, k: (q, k * v),
-    "step(lambda q: -q, 1.0, 0.75, 0.25)": lambda force, q, v, h: (q, force(v)),
+    "step(lambda q: -q, 1.0, 0.75, 0.25)": lambda force, q, v, h: (q, v + h * force(q)),
     "step(lambda t, y: numpy.array([y[1], -y[0]]), numpy.array([1.0, 0.75]), 0.25)": lambda f, y, h: f(0.0, y),
     "step(lambda y, t: [y[1], -y[0]], [1.0, 0.75], 0.0, 0.25)": of_lists,
 }
