@@ -256,7 +256,9 @@ class Enclosed:
         return self != 0
 
     def __abs__(self) -> Enclosed:
-        """x or -x, by the sign of x on the whole box. Raises Refused if it is not known."""
+        """x or -x, by the sign of x on the whole box; as text |x|. Raises Refused if the sign is not known."""
+        if (written := getattr(self.value, "modulus", None)) is not None:
+            return Enclosed(self.evaluation, written())
         return self if self > 0 else -self
 
     def __float__(self, *_: object) -> float:

@@ -93,9 +93,13 @@ class Traced:
 
     def __gt__(self, other: Any) -> bool:
         """Raise Refused: text has no branches."""
-        raise Refused("f compares numbers, as abs, clip or an if do; a problem needs formulas, certify takes such an f")
+        raise Refused("f compares numbers, as clip or an if do; a problem needs formulas, certify takes such an f")
 
     __lt__ = __gt__
+
+    def modulus(self) -> Traced:
+        """|x|, which a field may have, although a comparison makes it."""
+        return Traced(f"abs({self.text})", self.doubles)
 
     def __getattr__(self, name: str) -> Callable[[], Traced]:
         """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""

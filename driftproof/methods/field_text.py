@@ -56,7 +56,7 @@ class _Pi:
 
 
 # Other functions, in terms of FUNCTIONS.
-_WRITTEN = {"tan": "(sin({0}) / cos({0}))", "ln": "log({0})"}
+_WRITTEN = {"tan": "(sin({0}) / cos({0}))", "tanh": "(1 - 2 / (exp(2 * ({0})) + 1))", "ln": "log({0})"}
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")

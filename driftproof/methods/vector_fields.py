@@ -15,7 +15,9 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom
 from driftproof.support.plain_text import shortened
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
-FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
+FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt", "abs")
+# What derivatives use besides, as if it were constant: copysign(1, x), of abs.
+OF_DERIVATIVES = ("copysign",)
 _ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div)
 
 
@@ -277,7 +279,21 @@ def _time(field: Field, text: ProgramText, i: int, name: str, c: Exact) -> str:
 
 def _require_new_names(field: Field, text: ProgramText) -> None:
     """Raise MethodError for a parameter that has the name of something else in the text, such as h."""
-    taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
+    taken = {
+        "t",
+        "h",
+        "i",
+        "y",
+        "first",
+        "last",
+        "range",
+        "make",
+        "run",
+        "step",
+        *FUNCTIONS,
+        *OF_DERIVATIVES,
+        *field.components,
+    }
     taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}
     taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
     for name in sorted(taken.intersection(dict(field.parameters))):
@@ -310,7 +326,7 @@ def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]
         whole = isinstance(node, ast.Constant) and type(node.value) is int
         if whole or (isinstance(node, ast.Call) and not node.keywords):
             continue
-        allowed = FUNCTIONS if node in called else known
+        allowed = (*FUNCTIONS, *OF_DERIVATIVES) if node in called else known
         if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
             yield repr(ast.unparse(node) or type(node).__name__)
 
@@ -330,7 +346,7 @@ def _derivative(x: ast.expr, name: str) -> ast.expr:
         return _negative(_derivative(x.operand, name))
     if isinstance(x, ast.BinOp):
         return _OF_OPERATION[type(x.op)](x.left, x.right, _derivative(x.left, name), _derivative(x.right, name))
-    if isinstance(x, ast.Call) and isinstance(x.func, ast.Name):
+    if isinstance(x, ast.Call) and isinstance(x.func, ast.Name) and x.func.id not in OF_DERIVATIVES:
         (argument,) = x.args
         return _product(_OF_FUNCTION[x.func.id](argument), _derivative(argument, name))
     return ZERO
@@ -362,8 +378,8 @@ def _negative(a: ast.expr) -> ast.expr:
     return ZERO if _is(a, 0) else ast.UnaryOp(ast.USub(), a)
 
 
-def _call(function: str, x: ast.expr) -> ast.expr:
-    return ast.Call(ast.Name(function, ast.Load()), [x], [])
+def _call(function: str, *arguments: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name(function, ast.Load()), [*arguments], [])
 
 
 # (a, b, a', b') -> the derivative of a op b.
@@ -380,4 +396,5 @@ _OF_FUNCTION: dict[str, Callable[[ast.expr], ast.expr]] = {
     "exp": lambda x: _call("exp", x),
     "log": lambda x: _quotient(ONE, x),
     "sqrt": lambda x: _quotient(ONE, _product(ast.Constant(2), _call("sqrt", x))),
+    "abs": lambda x: _call("copysign", ONE, x),
 }

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import FUNCTIONS, FieldSource, VectorField, field_source
+from driftproof.methods.vector_fields import FUNCTIONS, OF_DERIVATIVES, FieldSource, VectorField, field_source
 
 FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.
@@ -29,7 +29,7 @@ Run: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...
 
 # How many states of an ensemble are stepped together: such a block stays in the fastest cache.
 BLOCK = 512
-FLOAT_FUNCTIONS = {name: getattr(math, name) for name in FUNCTIONS}
+FLOAT_FUNCTIONS = {"abs": abs} | {name: getattr(math, name) for name in (*FUNCTIONS, *OF_DERIVATIVES) if name != "abs"}
 
 
 def compiled_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:

@@ -149,7 +149,7 @@ def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
             return -_value(operand, names)
         case ast.BinOp(left=left, op=op, right=right):
             return _OPERATIONS[type(op)](_value(left, names), _value(right, names))
-    found: Decimal = _FUNCTIONS[node.func.id](_value(node.args[0], names))
+    found: Decimal = _FUNCTIONS[node.func.id](*(_value(argument, names) for argument in node.args))
     return found
 
 
@@ -173,3 +173,4 @@ def _cos(x: Decimal) -> Decimal:
 
 _OPERATIONS: dict[Any, Callable[[Any, Any], Decimal]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 _FUNCTIONS: dict[str, Any] = {"sin": _sin, "cos": _cos, "exp": Decimal.exp, "log": Decimal.ln, "sqrt": Decimal.sqrt}
+_FUNCTIONS |= {"abs": abs, "copysign": Decimal.copy_sign}

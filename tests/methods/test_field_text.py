@@ -22,6 +22,7 @@ WRITTEN = {
     "-sin(y0)": "-sin(y0)", "0.1*y0 - 3e-2": "((1 / 10) * y0) - (3 / 100)", "y0^3": "(y0 * y0 * y0)",
     "-y0**2": "-(y0 * y0)", "(-y0)^2": "((-y0) * (-y0))", "1/y0^(3/2)": "1 / (y0 * sqrt(y0))", "y0^-1": "(1 / (y0))",
     "y0^0 + t": "1 + t", "y0^1 + y0^0.5": "y0 + sqrt(y0)", "sqrt(1 + y0)*(2 - t)": "sqrt(1 + y0) * (2 - t)",
+    "tanh(2y0) abs(t)": "(1 - 2 / (exp(2 * (2 * y0)) + 1)) * abs(t)",
     "tan(2y0)^2 - ln(t)": "((sin(2 * y0) / cos(2 * y0)) * (sin(2 * y0) / cos(2 * y0))) - log(t)",
 }  # fmt: skip
 
@@ -57,7 +58,7 @@ def test_components_are_parted_by_semicolons_or_listed():
 
 
 REFUSED = {
-    "erf(y0)": r"column 1: the functions are sin, cos, exp, log, sqrt, tan, ln, each of one argument",
+    "erf(y0)": r"column 1: the functions are sin, cos, exp, log, sqrt, abs, tan, tanh, ln, each of one argument",
     "sin(y0, t)": r"column 1: the functions are",
     "y0^(1/3)": r"column 1: an exponent must be a multiple of 1/2",
     "y; y1": r"rate 0, 'y': 'y' is not allowed",

@@ -116,7 +116,7 @@ def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):
         VectorField(rates, parameters)
 
 
-@pytest.mark.parametrize("name", ["h", "t", "y0", "k1_y0", "b_1", "sin", "range"])
+@pytest.mark.parametrize("name", ["h", "t", "y0", "k1_y0", "b_1", "sin", "copysign", "range"])
 def test_a_parameter_with_a_name_of_the_text_is_refused(name):
     with pytest.raises(MethodError, match=f"'{name}'"):
         runner(METHODS["rk4"], VectorField((f"{name} * y0",), ((name, Q(2)),)))
@@ -129,6 +129,7 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
         *(("y0 + y1", "1"), ("t + y0", "1"), ("y0 - t", "1"), ("-y0", "-1"), ("-t", "0"), ("y0 * y0", "y0 + y0")),
         *(("sin(y0)", "cos(y0)"), ("cos(y0)", "-sin(y0)"), ("log(y0)", "1 / y0"), ("sqrt(y0)", "1 / (2 * sqrt(y0))")),
         *(("y0 + y0", "1 + 1"), ("y0 - y0", "1 - 1"), ("y0 * 1", "1"), ("exp(2 * y0)", "exp(2 * y0) * 2")),
+        *(("abs(y0)", "copysign(1, y0)"), ("y0 * abs(y0)", "abs(y0) + y0 * copysign(1, y0)"), ("abs(y1)", "0")),
         ("2 * y0 * sin(y0) + t * y0", "2 * sin(y0) + 2 * y0 * cos(y0) + t"),
         *(("y0 / y1", "1 / y1"), ("y1 / y0", "-(y1 / y0 * (1 / y0))"), ("exp(-y0)", "exp(-y0) * -1"), ("y1 / t", "0")),
     ],

@@ -105,6 +105,15 @@ def test_energy_reads_parameters_division_and_signs() -> None:
     assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_floor_of_an_energy_with_a_modulus_has_its_slope(sign: int) -> None:
+    """E = y² |y| has the slope 3 y²."""
+    reference = replace(DECAY.reference, states=(*DECAY.reference.states[:-1], (str(2 * sign),)))
+    problem = replace(DECAY, energy="y0 * y0 * abs(y0)", reference=reference)
+    assert decimal_energy(problem, [2.0 * sign]) == 8
+    assert floors(problem)[ENERGY] == pytest.approx(24 * float(U))
+
+
 @pytest.mark.parametrize("energy", ["y0 ** 2", "y0 * 0.5", "tan(y0)", "y0 % 2"])
 def test_an_energy_that_holds_what_a_rate_may_not_is_refused(energy: str) -> None:
     with pytest.raises(MethodError, match="is not allowed"):
