@@ -15,8 +15,9 @@ from numbers import Rational
 from typing import Any, TypeAlias
 
 import numpy as np
+from flint import arb
 
-from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, Value
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Value
 from driftproof.methods.number_field import dyadic
 
 # Offset and rate.
@@ -51,7 +52,7 @@ class Clock(Enclosed):
         """Take value, offset and rate; by default those of the time itself, which is a constant where it is exact."""
         super().__init__(evaluation, value)
         if line is None:
-            known = evaluation.span is None and value.is_exact()
+            known = evaluation.span is None and isinstance(value, arb) and value.is_exact()
             line = (dyadic(value), Fraction(0)) if known else (Fraction(0), Fraction(1))
         self.offset, self.rate = line
 
@@ -62,16 +63,15 @@ class Clock(Enclosed):
         if self.evaluation.span is not None:
             rising = 1 if self.rate > 0 else -1
             return -rising if _is_ahead(-self.offset / self.rate, self.evaluation.span) else rising
-        if not (self.value > 0 or self.value < 0):
-            raise Refused(f"{COMPARES} whose enclosures overlap")
-        return 1 if self.value > 0 else -1
+        return 1 if self.evaluation.decide(self.value) else -1
 
     def __floor__(self) -> int:
         """The integer k with k <= self < k + 1, on the whole span but for its ends. Raises TimeCut if it changes."""
         if not self.rate:
             return floor(self.offset)
         if (span := self.evaluation.span) is None:
-            if (unique := self.value.floor().unique_fmpz()) is None:
+            values = self.value if isinstance(self.value, arb) else self.value.range()
+            if (unique := values.floor().unique_fmpz()) is None:
                 raise Refused(f"f takes the floor of a number near {float(self.value.mid()):.9g}")
             return int(unique)
         first = self.offset + self.rate * span[0]

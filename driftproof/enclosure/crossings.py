@@ -2,7 +2,7 @@
 
 Steps come as near to the crossing as they can be proved to lie before it. Over what is left, a window of some 2⁻¹⁰⁰,
 nothing is assumed of the side on which the solution is: y' lies in the hull of all values that f takes, on whichever
-sides of its comparisons, on a box that the solution cannot leave. Behind the window the side is certain again.
+sides of its comparisons, on a cone that the solution cannot leave. Behind the window the side is certain again.
 """
 
 from __future__ import annotations
@@ -15,16 +15,15 @@ from flint import arb, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # A step is searched for changes at so many places; one that is missed is only found by shorter steps.
 SEARCHED = 16
-# The box is twice as long as the solution goes by f where it begins, or by f behind it; it hardly goes back, to where
-# the other side of f may be: by 2⁻²³ of its length, which Arb's radii of thirty bits still tell from nothing.
-WIDENINGS, AROUND = 3, arb(1 - 2.0**-24, 1 + 2.0**-24)
-# Bits that the rounding of sums of balls may take.
-BITS_OF_SUMS = 8
+# Rates are sought in balls wider by this part of them, first around those at the beginning, then around what is found
+# there, as when the set reaches the other side of f; models have so many coefficients, of which a window needs two.
+WIDENINGS, WIDER, LENGTH = 4, arb(2) ** -10, 4
 # The set is followed for at most so many times, each four times as long as the one before; f has to be certain on a set
 # so many times as wide as it is, since the first tube of a step is four times as wide in the norm of its weights.
 FOLLOWED, CERTAIN = 10, 64
@@ -92,7 +91,11 @@ def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> W
     whole, end = list(box), t
     for k in range(FOLLOWED):
         length = h * 4**k
-        if (found := _followed(f, end, length, box)) is None:
+        try:
+            found = _followed(f, end, length, box)
+        except Refused:  # on the other side, too
+            return None
+        if found is None:
             return None
         during, box = found
         whole, end = [x.union(y) for x, y in zip(whole, during, strict=True)], end + length
@@ -105,14 +108,16 @@ def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> W
 def _followed(
     f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]
 ) -> tuple[Sequence[arb], Sequence[arb]] | None:
-    """Balls of the solutions from the box during [t, t + h], and at its end; None if no box is found to hold them."""
-    length, rates = enclose(h), _rates_on_all_sides(f, t, h, box)
-    resolved = [arb(0, ((abs(x) + length) * arb(2) ** (BITS_OF_SUMS - ctx.prec)).upper()) for x in box]
+    """Balls of the solutions from the box during [t, t + h], and at its end; None if no rates are found to hold theirs.
+
+    While y(s) is in x + s R, y' is in the rates F there; if these lie inside R, y is in x + s F and cannot leave.
+    """
+    length, rates = enclose(h), _rates_on_all_sides(f, t, h, box, [arb(0)] * len(box))
     for _ in range(WIDENINGS):
-        around = [x + rate * AROUND * length + r for x, rate, r in zip(box, rates, resolved, strict=True)]
-        rates = _rates_on_all_sides(f, t, h, around)
-        during = [x + rate * length * arb(0.5, 0.5) for x, rate in zip(box, rates, strict=True)]
-        if all(big.contains_interior(x) for big, x in zip(around, during, strict=True)):
+        wider = [rate + arb(0, (abs(rate) * WIDER + arb(2) ** -ctx.prec).upper()) for rate in rates]
+        rates = _rates_on_all_sides(f, t, h, box, wider)
+        if all(big.contains_interior(rate) for big, rate in zip(wider, rates, strict=True)):
+            during = [x + rate * length * arb(0.5, 0.5) for x, rate in zip(box, rates, strict=True)]
             return during, [x + rate * length for x, rate in zip(box, rates, strict=True)]
     return None
 
@@ -129,8 +134,8 @@ def _is_certain(f: RightHandSide, t: Fraction, box: Sequence[arb]) -> bool:
 class _SomeSides(Evaluation):
     """A run whose comparisons that are not decided have the outcomes `sides`, and those beyond are False."""
 
-    def __init__(self, sides: Sequence[bool], span: tuple[Fraction, Fraction]) -> None:
-        super().__init__(span=span)
+    def __init__(self, sides: Sequence[bool]) -> None:
+        super().__init__(forward=True)
         self.sides, self.asked = sides, 0
 
     def undecided(self) -> bool:
@@ -138,19 +143,25 @@ class _SomeSides(Evaluation):
         return self.asked <= len(self.sides) and self.sides[self.asked - 1]
 
 
-def _rates_on_all_sides(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> list[arb]:
-    """Balls of f on [t, t + h] and the box, whatever the outcomes of the comparisons that these do not decide."""
+def _rates_on_all_sides(
+    f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb], rates: Sequence[arb]
+) -> list[arb]:
+    """Balls of f on all x + s R, x in the box and 0 <= s <= h, whatever the outcomes of comparisons not decided there.
+
+    They are Taylor models in σ = s/h, so that a difference of two unknowns is as narrow as that of their rates.
+    """
     found: list[arb] | None = None
-    left, runs = [list[bool]()], 0
-    time = arb(0.5, 0.5) * enclose(h) + enclose(t)
+    left, runs, length = [list[bool]()], 0, enclose(h)
+    along = [TaylorModel([x, rate * length], LENGTH) for x, rate in zip(box, rates, strict=True)]
     while left:
         sides, runs = left.pop(), runs + 1
         if runs > MOST_SIDES:
             raise Refused("f changes too often at one time")
-        evaluation = _SomeSides(sides, (t, t + h))
-        rates = enclosed_rates(f, Clock(evaluation, time), [Enclosed(evaluation, x) for x in box])
-        values = [arb(rate.value) for rate in rates]
-        found = values if found is None else [a.union(b) for a, b in zip(found, values, strict=True)]
+        evaluation = _SomeSides(sides)
+        time = Clock(evaluation, TaylorModel([enclose(t), length], LENGTH))
+        values = [rate.value for rate in enclosed_rates(f, time, [Enclosed(evaluation, x) for x in along])]
+        balls = [x.range() if isinstance(x, TaylorModel) else arb(x) for x in values]
+        found = balls if found is None else [a.union(b) for a, b in zip(found, balls, strict=True)]
         left += [[*sides, *[False] * k, True] for k in range(evaluation.asked - len(sides))]
     assert found is not None
     return found

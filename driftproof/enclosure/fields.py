@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.enclosure.clocks import Clock, interpolated, of_pieces
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import SELECTING, Enclosed, Evaluation, Refused
 from driftproof.support.plain_text import counted
 
 # f(t, y) -> y', y being an array; what a user writes.
@@ -62,7 +63,7 @@ def enclosed_values(
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
-    return [_lifted(value, evaluation) for value in values]
+    return np.hstack([np.ravel(_lifted(value, evaluation)) for value in values]).tolist() if len(values) else []
 
 
 def array_of(values: Iterable[Any]) -> Any:
@@ -73,8 +74,8 @@ def array_of(values: Iterable[Any]) -> Any:
     return made
 
 
-def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
-    return rate if isinstance(rate, Enclosed) else Enclosed(evaluation, evaluation.constant(rate))
+def _lifted(rate: object, evaluation: Evaluation) -> Any:
+    return evaluation.enclosed(rate)
 
 
 def time_first(f: RightHandSide) -> RightHandSide:
@@ -151,6 +152,8 @@ def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> Fun
     for name in _names_of(f.__code__):
         if name in names:
             names[name] = _rebound(names[name], known, depth + 1)
+        elif name in ("max", "min"):
+            names[name] = _chosen(getattr(builtins, name))
     return copy
 
 
@@ -162,6 +165,26 @@ def _names_of(code: Any) -> set[str]:
 
 def _holds_enclosed(values: Any) -> bool:
     return any(isinstance(x, Enclosed) for x in np.ravel(values))
+
+
+def _sign(x: Any) -> Any:
+    return x.evaluation.enclosed(x.sign()) if isinstance(x, Enclosed) else np.sign(x)
+
+
+def _among(given: Any, chosen: Any) -> Any:
+    """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
+    held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
+    return chosen if held is None else held.evaluation.enclosed(chosen)
+
+
+def _chosen(choose: Callable[..., Any]) -> Callable[..., Any]:
+    """The builtin max or min."""
+
+    def chosen(*arguments: Any, **options: Any) -> Any:
+        among = list(arguments[0]) if len(arguments) == 1 else arguments
+        return _among(among, choose(among, **options))
+
+    return chosen
 
 
 class _Math(ModuleType):
@@ -203,6 +226,8 @@ class _Numpy(ModuleType):
         value = getattr(np, name)
         if name in _OF_FINITE:
             return lambda x: np.full(np.shape(x), _OF_FINITE[name])[()] if _holds_enclosed(x) else value(x)
+        if name in SELECTING:
+            return lambda *among: _among(among, value(*among))
         if name not in _FILLED_WITH_FLOATS:
             return value
 
@@ -225,9 +250,14 @@ class _Numpy(ModuleType):
     asarray = array
 
     @staticmethod
+    def clip(x: Any, least: Any, most: Any) -> Any:
+        """numpy.clip, of which None for a bound has no enclosure."""
+        return _MODULE_NUMPY.minimum(_MODULE_NUMPY.maximum(x, least), most)
+
+    @staticmethod
     def sign(x: Any) -> Any:
         """numpy.sign, whose loop over objects asks three times for what one comparison or two decide."""
-        return np.vectorize(Enclosed.sign, otypes=[object])(x)[()] if _holds_enclosed(x) else np.sign(x)
+        return np.vectorize(_sign, otypes=[object])(x)[()] if _holds_enclosed(x) else np.sign(x)
 
     @staticmethod
     def interp(x: Any, *points: Any, **options: Any) -> Any:

@@ -56,7 +56,7 @@ def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if reason.startswith(COMPARES):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        remedy = "cut there and take the pieces one by one; the step across, and the error before it, are then left out"
+        remedy = "certify the points before it and those after it as two runs, each from its own first point"
         return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {remedy}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
@@ -111,6 +111,13 @@ class Evaluation:
     def undecided(self) -> bool:
         """Raise Refused: neither outcome is certain."""
         raise Refused(f"{COMPARES} whose enclosures overlap")
+
+    def enclosed(self, x: Any) -> Any:
+        """A number as an enclosed one, or an array of such."""
+        x = _unboxed(x)
+        if isinstance(x, np.ndarray):
+            return np.vectorize(self.enclosed, otypes=[object])(x)
+        return x if isinstance(x, Enclosed) else Enclosed(self, self.constant(x))
 
     def constant(self, x: object) -> Value:
         """A constant in the code of f, exactly. Raises Refused if it is not a finite real number."""
@@ -266,16 +273,22 @@ class Enclosed:
         said = "f converts a number to a float; use functions of NumPy or math, not float(), and make arrays in f"
         raise Refused(f"{said}; of SciPy's splines those of the class PPoly have an enclosure, such as CubicSpline")
 
-    __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = cast(Any, __float__)
+    __index__ = __complex__ = cast(Any, __float__)
+
+    def _rounded(self, *_: object) -> Any:
+        raise Refused("f rounds a number to an integer, or takes a remainder, which is enclosed of the time alone")
+
+    __int__ = __floor__ = __ceil__ = __trunc__ = __round__ = cast(Any, _rounded)
+    __mod__ = __rmod__ = __floordiv__ = __rfloordiv__ = cast(Any, _rounded)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
         if ufunc.__name__ in ("exprel", "heaviside", "sign"):  # which have no loop over objects
-            return getattr(inputs[0], ufunc.__name__)(*inputs[1:])
+            return self.evaluation.enclosed(getattr(inputs[0], ufunc.__name__)(*inputs[1:]))
         result = ufunc(*(_boxed(x) for x in inputs))
-        return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
+        return self.evaluation.enclosed(result) if ufunc.__name__ in SELECTING else _unboxed(result)
 
     def __getattr__(self, name: str) -> Callable[[], Enclosed]:
         """A function of the tables below: numpy.sin(x) calls x.sin()."""
@@ -338,6 +351,7 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "log10": lambda x: x.log() / Enclosed(x.evaluation, arb(10).log()),
     "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
     "conjugate": lambda x: x,
+    "fabs": abs,
     **dict.fromkeys(("radians", "deg2rad"), lambda x: x * Enclosed(x.evaluation, arb.pi() / 180)),
     **dict.fromkeys(("degrees", "rad2deg"), lambda x: x * Enclosed(x.evaluation, 180 / arb.pi())),
 }
@@ -397,6 +411,14 @@ def _inverse(x: Value, does: str = "divides by a number that may be 0") -> Value
         return 1 / x
     except (ValueError, ZeroDivisionError):
         raise Refused(f"f {does}") from None
+
+
+# What returns one of its arguments, which may be a constant: it stays exact in what f makes of it.
+SELECTING = ("maximum", "minimum", "fmax", "fmin", "clip")
+
+
+def _unboxed(x: Any) -> Any:
+    return x[()] if isinstance(x, np.ndarray) and not x.ndim else x
 
 
 def _boxed(x: Any) -> Any:

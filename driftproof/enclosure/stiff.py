@@ -23,7 +23,7 @@ from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_mo
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, not_smooth
+from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, not_smooth
 from driftproof.enclosure.steps import fewer_steps, linearised, obstacle_ahead
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -125,7 +125,10 @@ class StiffPath:
                 elif h < SHORTEST_STIFF_PART * (self.t - self.first):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
-        raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
+        only = (
+            "; a stiff problem needs implicit steps, which pass jumps at given times only" if COMPARES in reason else ""
+        )
+        raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}{only}", self.t)
 
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""

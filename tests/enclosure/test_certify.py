@@ -111,7 +111,9 @@ def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_exprel():
 
 
 def test_a_kink_is_named_and_how_to_cut_there_but_a_pole_is_none():
-    kink = r"^f compares numbers that are equal near t = 1;.* kink or jump .* follow it; cut there.*, and"
+    kink = (
+        r"^f compares numbers that are equal near t = 1;.* kink or jump .* follow it; certify the points before it and"
+    )
     for f in (lambda t, y: -np.sign(y), lambda t, y: np.where(y > 0, -1.0, 1.0)):
         with pytest.raises(Refused, match=kink):
             certify(f, [0.0, 2.0], [[1.0], [0.0]])
@@ -213,14 +215,14 @@ REFUSED = {
         lambda t, y: (lambda q, v: [v, -q])(*y), [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f fails in floats at t = 0\.0, on 1 components: ZeroDivisionError": (
         lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
-    r"f compares numbers that are equal near t = 0; .*it may touch or follow it; cut there": (
+    r"f compares numbers that are equal near t = 0; .*it may touch or follow it; certify the points": (
         lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
     r"has a pole, or .* near t = 1; if f jumps there, cut there": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),
     r"f is 1\.5 at t = 1\.0, component 0, but -1\.5 in a second call": (
         Thermostat(), [0, 1, 2], [[0.5], [1.5], [2.5]]),
     r"f or its derivative is not finite at t = 0": (lambda t, y: -np.arcsin(y), [0, 1], [[1.0], [0.5]]),
     r"201 components are too many; at most 200 can be enclosed": (lambda t, y: -y, [0, 1], np.ones((2, 201))),
-    r"math\.floor, which has no enclosure|converts a number to a float": (
+    r"f rounds a number to an integer, or takes a remainder, which is enclosed of the time alone": (
         lambda t, y: [np.floor(y[0])], [0, 1], [[1.0], [2.0]]),
 }  # fmt: skip
 BAD_INPUT = {

@@ -289,6 +289,18 @@ def rk4_run(f, n):
     return [i * h for i in range(n + 1)], rows
 
 
+def test_points_on_an_edge_that_floats_see_a_rounding_aside_are_no_other_f():
+    """0.015 * 1000 is 15 in floats, and a little less exactly; 0.5 / 0.1 is 5, and a little less."""
+    for f, at in (
+        (lambda t, y: [1.0 if t * 1000 % 1 < 0.4 else 0.0], 0.015),
+        (lambda t, y: [int(t / 0.1) % 2 + 0.0 * y[0]], 0.5),
+    ):
+        exact = enclose_solution(f, [Fraction(0)], [Fraction(0), Fraction(at)]).states[-1][0]
+        assert certify(f, [0.0, at], [[0.0], [float(exact)]]).largest_error < 1e-16
+    with pytest.raises(Refused, match="but its enclosure is"):
+        certify(lambda t, y: [1.0 if isinstance(y[0], float) and t == 0.5 else 0.0], [0.0, 0.5], [[0.0], [0.0]])
+
+
 def test_float_run_over_jumps_is_split_into_truncation_and_rounding():
     t, y = rk4_run(switched, 40)
     found = certify(switched, t, y, method="rk4")

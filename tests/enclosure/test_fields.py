@@ -9,7 +9,7 @@ from math import sin
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, ctx
 from numpy import zeros
 from scipy.interpolate import interp1d
 
@@ -97,6 +97,38 @@ def clipped(t, y):
     return np.clip(y, 0.75, 10.0) * np.sign(y) + np.where(y[0] > 0, y, 0.0) + np.vectorize(lambda x: -x)(y)
 
 
+CHOOSING = {
+    "min": lambda t, y: [0.7 * min(y[0], 0.3)],
+    "max of a list": lambda t, y: [0.7 * max([-y[0], 0.3])],
+    "minimum": lambda t, y: [0.7 * np.minimum(y[0], 0.3)],
+    "minimum of an array": lambda t, y: 0.7 * np.minimum(y, 0.3),
+    "clip": lambda t, y: 0.7 * np.clip(y, 0.0, 0.3),
+    "sign": lambda t, y: [0.7 * (0.3 * np.sign(y[0]))],
+    "heaviside": lambda t, y: [0.7 * (0.3 * np.heaviside(y[0], 0.5))],
+}
+
+
+@pytest.mark.parametrize("name", CHOOSING)
+def test_constant_that_is_chosen_stays_exact_in_what_f_makes_of_it(name):
+    """0.7 times 0.3 is no double."""
+    evaluation = Evaluation()
+    f = enclosable(CHOOSING[name])
+    with ctx.workprec(128):
+        (rate,) = enclosed_rates(f, Enclosed(evaluation, arb(0)), [Enclosed(evaluation, arb(10))])
+        assert abs(rate.value - arb(0.7) * arb(0.3)) < 1e-30 < abs(rate.value - 0.7 * 0.3)
+
+
+def test_arrays_of_one_number_may_stand_in_lists():
+    evaluation = Evaluation()
+    y = [Enclosed(evaluation, arb(2)), Enclosed(evaluation, arb(3))]
+    for f in (
+        lambda t, y: [y[1], np.where(y[0] > 0, 3.0, y[0])],
+        lambda t, y: np.array([y[1], np.select([y[0] > 0], [3.0])]),
+        lambda t, y: [y[1], np.fabs(-y[1])],
+    ):
+        assert [x.value for x in enclosed_rates(enclosable(f), Enclosed(evaluation, arb(0)), y)] == [3, 3]
+
+
 def calling_each_other(t, y):
     def rise(x, depth):
         return fall(x, depth - 1) + fall(x, 0) if depth else math.sin(x)
@@ -169,9 +201,9 @@ def into_a_buffer(t, y):
             lambda t, y: [interp1d([0.0, 9.0], [0.0, 1.0])(t), 0],
             "f calls an interpolation that has no enclosure; numpy.",
         ),
-        (lambda t, y: [y[0] % 1, 0], "f fails on enclosed numbers: TypeError: unsupported operand type(s) for %"),
+        (lambda t, y: [y[0] % 1, 0], "f rounds a number to an integer, or takes a remainder"),
         (lambda t, y: [np.copysign(y[0], 1), 0], "f uses copysign, which has no enclosure"),
-        (lambda t, y: [round(y[0], 3), 0], "to a float; use functions of NumPy or math, not float"),
+        (lambda t, y: [round(y[0], 3), 0], "f rounds a number to an integer"),
         (lambda t, y: [1j * y[0], 0], "f uses a complex as a number"),
         (lambda t, y: [float("nan") * y[0], 0], "f uses the constant nan"),
         (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),

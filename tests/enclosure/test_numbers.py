@@ -134,5 +134,5 @@ def test_function_is_refused_where_it_is_not_analytic():
 
 @pytest.mark.parametrize("turned", [float, int, round, math.floor, complex, lambda x: [1, 2][x]])
 def test_number_does_not_become_a_float(turned):
-    with pytest.raises(Refused, match="converts a number to a float"):
+    with pytest.raises(Refused, match=r"converts a number to a float|rounds a number to an integer"):
         turned(ball(arb(1)))
