@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 3989,
     "blackbox": 20936,
-    "enclosure": 4295,
+    "enclosure": 4301,
     "texts": 9566,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5883

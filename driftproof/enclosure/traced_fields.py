@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import ROUNDS, Enclosed, Evaluation, Refused
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 
@@ -30,7 +30,12 @@ def field_of_function(f: RightHandSide, components: int) -> VectorField:
     doubles: dict[Fraction, str] = {}
     evaluation = _Tracing(doubles)
     names = [Enclosed(evaluation, Traced(f"y{i}", doubles)) for i in range(components)]
-    rates = enclosed_rates(enclosable(f), Enclosed(evaluation, Traced("t", doubles)), names)
+    try:
+        rates = enclosed_rates(enclosable(f), Enclosed(evaluation, Traced("t", doubles)), names)
+    except Refused as refusal:
+        if not str(refusal).startswith(ROUNDS):
+            raise
+        raise Refused(f"{ROUNDS}; a problem needs formulas, certify takes such an f of the time") from None
     texts = tuple(Traced.of(rate.value, doubles).text for rate in rates)
     return VectorField(texts, tuple((name, value) for value, name in doubles.items()))
 
