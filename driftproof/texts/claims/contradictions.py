@@ -45,11 +45,25 @@ _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
 # What is no name of a method: the midpoint of a step, and a fraction.
 _PLAIN = re.compile(r"midpoint of |3/8(?! (?:rule|method|runge))")
+# A method with its order in brackets, as in RK(4).
+_BY_ORDER = re.compile(r"\b(rk|ab|am|bdf)\(([1-9])\)")
 # What a text says about the first values of a multistep method.
 STARTING = re.compile(
     r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
     r"(?:(?!\.\s|;\s(?!we\b))[^|()]){0,100}"
 )
+# A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
+_METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
+_NUMBER = (
+    r"(?<![\w.^])[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?(?:e[-+]?[0-9]+|(?: ?[×·] ?10\^\{?-?[0-9]+\}?))?(?![\w.]*\w)%?"
+)
+_JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or) )"
+_SETTINGS = re.compile(rf"\b\w+ ?= ?{_NUMBER}")
+_NO_SUBJECT = re.compile(
+    r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
+)
+# Characters between a method and the number that it has.
+_LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
@@ -173,17 +187,39 @@ def last_methods_named(*texts: str) -> set[str]:
     return next((found[-1][1] for text in texts if (found := _named(text))), set())
 
 
-def method_in_list(before: str, after: str) -> set[str] | None:
-    """The keys of the method that a number is of in "A, B and C are x, y and z, respectively"; None elsewhere."""
-    flat, first, end = _flat(before), 0, 0
-    for match in spoken_names().finditer(flat):
-        joined = re.fullmatch(r",? ?(?:and|or)? ?(?:the )?", flat[end : match.start()])
-        first, end = first if joined else match.start(), match.end()
-    numbers = [len(re.findall(r"(?<![\w.^])-?[0-9]+(?:\.[0-9]+)?", part)) for part in (flat[end:], after)]
-    listed = [keys for at, keys in _named(before) if at >= first]
-    if len(listed) < 2 or sum(numbers) + 1 != len(listed) or "respectively" not in after:
-        return None
-    return listed[numbers[0]]
+def methods_said_of(before: str, after: str) -> set[str]:
+    """The keys of the method that a number is of where the lower-case sentence around it says so; none elsewhere.
+
+    It does in "x for A", "x (A)" and "A is off by x", and of the numbers of a list in "A and B are x and y", "x and y
+    for A and B", and "A and B have x, if h = 1, and y, respectively".
+    """
+    before, after = (re.sub(r"--+|(?<=[a-df-z])-|-(?!\.?[0-9])|[_\n]", " ", part) for part in (before, after))
+    runs = re.search(rf"(?:{_NUMBER}{_JOINED})*\Z", before), re.match(rf"(?:{_JOINED}{_NUMBER})*", after)
+    left, right = (run[0] if run else "" for run in runs)
+    if behind := _methods_behind().match(after[len(right) :]):
+        listed = _named(behind[0])
+        left = left if right or listed[1:] else ""  # 0.1 (A) and 0.2 (B)
+    else:
+        lists = [*_lists_of_methods().finditer(before)]
+        listed = _named(lists[-1][0]) if lists else []
+        between = before[lists[-1].end() : len(before) - len(left)] if lists else ""
+        if "respectively" in after and listed[1:]:
+            left, right = (spoken_names().sub("", part) for part in (between + left, after))
+        else:
+            compared = lists and _NO_SUBJECT.search(before[: lists[-1].start()])
+            ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between)) or len(between) > _LONGEST_GAP
+            if ends or (len(listed) == 1 and ("," in between or compared)):
+                return set()
+    at, more = (len(re.findall(_NUMBER, part)) for part in (left, right))
+    return listed[at][1] if len(listed) == at + 1 + more else set()
+
+
+def names_in_order(text: str) -> list[str]:
+    """The first name of each of the methods that the lower-case text names, in their order."""
+    flat, found = _flat(text), dict[frozenset[str], str]()
+    for name in spoken_names().findall(flat):
+        found.setdefault(frozenset(_names()[name]), name)
+    return [*found.values()]
 
 
 def without_starters(text: str) -> str:
@@ -214,7 +250,7 @@ def _named(text: str) -> list[tuple[int, set[str]]]:
 
 
 def _flat(text: str) -> str:
-    return re.sub("--+|[-_\n]", " ", text)
+    return _BY_ORDER.sub(r"\1 \2 ", re.sub("--+|[-_\n]", " ", text))
 
 
 @cache
@@ -230,6 +266,23 @@ def _names() -> dict[str, set[str]]:
             ):
                 found.setdefault(form, set()).add(key)
     return found
+
+
+@cache
+def _lists_of_methods() -> re.Pattern[str]:
+    """One method, or several that are joined, as in "A, B and C"."""
+    return re.compile(
+        rf"{_METHOD}(?:(?:,|,? (?:and|or)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
+    )
+
+
+@cache
+def _methods_behind() -> re.Pattern[str]:
+    """Methods right behind the number that is theirs: "for A and B", or "(A)" and nothing else in the brackets."""
+    methods = _lists_of_methods().pattern
+    return re.compile(
+        rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?\((?:the |with |by |for )?{methods}[),;])"
+    )
 
 
 @cache

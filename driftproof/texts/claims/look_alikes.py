@@ -151,6 +151,7 @@ class LookAlikes:
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
+            denied |= place.is_of_others(known.question)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
@@ -172,10 +173,11 @@ class LookAlikes:
     def _fact_at(self, number: TextNumber) -> str | None:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
         cell, methods = self.tables.cell_of(number), self._place_of(number).methods
+        own = methods if self._place_of(number).own else frozenset[str]()
         fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             fact = "angle"
-        if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end))):
+        if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end), own)):
             fact, methods = said
         if not fact or len(methods) != 1:
             return None

@@ -13,9 +13,10 @@ from driftproof.texts.claims.contradictions import (
     SETTING,
     TIME_UNIT,
     last_methods_named,
-    method_in_list,
     methods_asked,
     methods_named,
+    methods_said_of,
+    names_in_order,
     sentence_around,
     spoken_names,
 )
@@ -48,7 +49,7 @@ _UNKNOWN = re.compile(rf"{_NAME}\Z")
 # The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
 _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
 # A time is also given by the value of an unknown then, as in y(1).
-_VALUE_AT = r"(?!(?:range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
+_VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the column of an unknown, and of a row whose number is that of a step.
 _HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
@@ -82,6 +83,8 @@ _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}"
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns of a table have them.
 _SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
+# Words for methods that were named before.
+_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
@@ -94,7 +97,8 @@ _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 class Place:
     """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time.
 
-    The row or the sentence of the number gives the settings `near`, and each of them one value.
+    The row or the sentence of the number gives the settings `near`, and each of them one value; `own` methods are said
+    to be the number's.
     """
 
     methods: frozenset[str]
@@ -103,7 +107,7 @@ class Place:
     unknown: str | None
     sure: bool = False
     near: frozenset[str] = frozenset()
-    listed: bool = False
+    own: bool = False
 
     def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
         """True if a method of the question is named here, no other time, and its step size among `sizes`."""
@@ -112,11 +116,13 @@ class Place:
         return not methods.isdisjoint(self.methods) and timed and {*sizes} >= {*asked["h"]}
 
     def denies(self, question: str) -> bool:
-        """True if the row or the sentence gives another step size or time, or a list another method, than asked for."""
+        """True if the row or the sentence gives another step size or time than asked for."""
         asked = _asked_settings(question)
-        if self.listed and not methods_asked(question) <= self.methods:
-            return True
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
+
+    def is_of_others(self, question: str) -> bool:
+        """True if the number is said to be of other methods than the question is about."""
+        return self.own and bool(keys := methods_asked(question)) and keys.isdisjoint(self.methods)
 
     def is_of_another(self, question: str) -> bool:
         """True if the words here are those of stability functions or observed orders, and the question is not."""
@@ -214,8 +220,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         settings["h"], near = Fraction(pairs[-1][1]), near | {"h"}
     elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
-    listed = None if row else method_in_list(before, after)
-    methods = listed or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
+    own = set[str]() if row else methods_said_of(before, after) or _own_of_before(text[:start], before, after)
+    methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or next((named for cell in row if (named := methods_named(cell.text))), set())
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
     methods = methods or (methods_named(by[1]) if by else set())
@@ -225,7 +231,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = f"d{name[:-1]}" if name.endswith("'") else name
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
-    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(listed))
+    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own))
+
+
+def _own_of_before(text: str, before: str, after: str) -> set[str]:
+    """The method of a number in "the methods have orders 2 and 1", if the paragraph so far names as many methods."""
+    said = _METHODS_BEFORE.search(before)
+    names = names_in_order(text[-_NEAR:].rpartition("\n\n")[2]) if said and not methods_named(before) else []
+    return methods_said_of(" and ".join(names) + before[said.end() :], after) if said and names[1:] else set()
 
 
 def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:
@@ -272,14 +285,19 @@ def fact_in_column(head: str) -> str | None:
     return next((fact for fact, said in _FACTS.items() if re.match(said, head)), None)
 
 
-def fact_said(before: str, after: str) -> tuple[str, frozenset[str]] | None:
-    """The fact of a number in a sentence, and the methods named, as in "RK4, of order 4" and "R(∞) = 0"; else None."""
+def fact_said(before: str, after: str, own: frozenset[str]) -> tuple[str, frozenset[str]] | None:
+    """The fact of a number in a sentence, and the methods named, as in "RK4, of order 4" and "R(∞) = 0"; else None.
+
+    The number is one of the methods `own`, if it is said whose it is, also of "A and B have orders 2 and 4".
+    """
     if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
         return "limit_at_infinity", frozenset(last_methods_named(before))
     named = rf"({spoken_names().pattern})(?: (?:method|rule|scheme))?(?::|,| has| is)?(?: (?:of|the|a))*"
     found = re.search(rf"{named} order (?:is |= ?)?\Z", re.sub("[-\n]", " ", before))
+    if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
+        return "order", own
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
     return ("order", frozenset(methods_named(found[1]))) if found and only else None
 

@@ -137,8 +137,8 @@ class Suggestions(LookAlikes):
         elif digits > 4 and runs and not self.tables.row_of(number):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if without_sizes(x) in runs}
-        if self._place_of(number).listed and not found:
-            others = {_METHOD.sub("", one) for one in alike}  # what another one of the list has
+        if self._place_of(number).own and not found:
+            others = {_METHOD.sub("", one) for one in alike}  # what another method has
             found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
         found = found or (self._out_of_step(number, named, digits) if sure else {})
         if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):

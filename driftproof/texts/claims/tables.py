@@ -71,6 +71,7 @@ class TextTables:
         for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
                 named = [_BOLD.sub(r"\1", cell.strip()) for cell in cells]
+                named = [cell.replace("(3/8)", "(3/8 rule)") for cell in named]
                 heads |= {i: cell or "".join(below[i : i + 1]) for i, cell in enumerate(named)}
                 below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
         ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]

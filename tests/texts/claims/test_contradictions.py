@@ -2,7 +2,13 @@
 
 import pytest
 
-from driftproof.texts.claims.contradictions import SETTING, contradicted, last_methods_named, methods_named
+from driftproof.texts.claims.contradictions import (
+    SETTING,
+    contradicted,
+    last_methods_named,
+    methods_named,
+    methods_said_of,
+)
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -119,3 +125,27 @@ def test_the_midpoint_of_a_step_and_a_fraction_are_no_methods():
     assert methods_named("whose slope at the midpoint of the step is 3/8") == set()
     assert methods_named("the 3/8 rule") == {"rk38"}
     assert methods_named("explicit midpoint of order 2") == {"midpoint2"}
+
+
+@pytest.mark.parametrize(
+    ("own", "said"),
+    [
+        ("velocity_verlet", "h = 0.1: @2.3e-02@ for velocity verlet, 2.1e-03 for symplectic euler"),
+        ("symplectic_euler", "errors are 2.3e-02 (velocity verlet) and @2.1e-03@ (symplectic euler)"),
+        ("velocity_verlet", "the errors of velocity verlet and symplectic euler are @2.3e-02@ and 2.1e-03"),
+        ("adams_bashforth3", "with h = 0.1, ab2, ab3 and ab4 have 0.1, @0.2@ and 0.3"),
+        ("trapezoid", "errors are 1.3×10^{-4} and @2×10^{-3}@ for rk4 and the trapezoidal rule"),
+        ("heun2", "rk4 and heun have errors 0.1, after one step, and @0.2@, respectively"),
+        ("rk4", "rk4 with h = 0.1 is off by @0.01@ (heun: 0.02)"),
+        ("heun2", "it falls to 1.27816 in rk4's run and to @1.27104@ in heun's"),
+        ("", "rk4 and heun give @0.36@"),
+        ("", "rk4 and heun have x = @0.5@ and v = 0.3"),
+        ("", "compared with rk4 the error is @0.01@"),
+        ("", "heun is worse than rk4 by @0.01@"),
+        ("", "rk4 has 4 stages and the error @0.01@"),
+        ("", "with rk4, the error is @0.5@"),
+    ],
+)
+def test_a_sentence_says_of_which_method_a_number_is(own, said):
+    before, _, after = said.split("@")
+    assert methods_said_of(before, after) == {*own.split()}

@@ -463,3 +463,51 @@ def test_a_table_of_one_run_has_one_step_size_and_a_value_of_another_one_is_a_sl
     claimed, slips = claims_and_slips(PRINTED.format("-1.106295"))
     assert slips == {"-1.106295": ["-1.106636"]}
     assert claimed["-1.106295"] == ""
+
+
+def _found(text):
+    """What each number of two digits or more, or of an order, is strongly like, and is a slip for."""
+    suggestions, found = Suggestions(text), list[tuple[str, bool, list[str]]]()
+    for number in numbers_in(text):
+        alike = suggestions.look_alikes(number)[:1]
+        found.append((number.text, any(one.strong for one in alike), [*suggestions.slips(number).values()]))
+    return found
+
+
+BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at t = 4, with h = 0.1:\n\n"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "* {} for velocity Verlet, {} for symplectic Euler.",
+        "* {} (velocity Verlet) and {} (symplectic Euler).",
+        "* The errors of velocity Verlet and symplectic Euler are {} and {}.",
+        "* Velocity Verlet is off by {}, symplectic Euler by {}.",
+    ],
+)
+def test_a_number_whose_method_is_named_is_of_no_other_and_an_exchanged_pair_is_named(said):
+    right, wrong = ("2.115e-03", "2.265e-02"), ("2.265e-02", "2.115e-03")
+    assert _found(BEAD + said.format(*right))[-2:] == [(x, True, []) for x in right]
+    assert _found(BEAD + said.format(*wrong))[-2:] == [
+        ("2.265e-02", False, ["2.115e-3"]),
+        ("2.115e-03", False, ["2.265e-2"]),
+    ]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "Implicit Euler and trapezoidal rule have orders {} and {}.",
+        "Implicit Euler divides the error by two, the trapezoidal rule by four; the methods have orders {} and {}.",
+    ],
+)
+def test_orders_of_a_list_are_those_of_its_methods(said):
+    assert _found(said.format(1, 2)) == [("1", True, []), ("2", True, [])]
+    assert _found(said.format(2, 1)) == [("2", False, ["1"]), ("1", False, ["2"])]
+
+
+def test_a_head_with_3_8_in_brackets_names_that_method():
+    text = "For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule gives\n\n| t | y (Heun 3) | y (3/8) |\n|---|---|---|\n| 1 | 0.3678628 | {} |"
+    assert _found(text.format("0.3678798"))[-1] == ("0.3678798", True, [])
+    assert _found(text.format("0.3678789"))[-1] == ("0.3678789", False, ["0.3678798"])
