@@ -43,7 +43,7 @@ class Refused(ArithmeticError):
         Refused.made += 1
 
 
-ROUNDS = "f rounds a number to an integer, or takes a remainder"
+NEEDS_INTEGERS = "f rounds a number to an integer, or takes a remainder"
 # What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
 _ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
 
@@ -277,7 +277,7 @@ class Enclosed:
     __index__ = __complex__ = cast(Any, __float__)
 
     def _rounded(self, *_: object) -> Any:
-        raise Refused(f"{ROUNDS}, which is enclosed of the time alone")
+        raise Refused(f"{NEEDS_INTEGERS}, which is enclosed of the time alone")
 
     __int__ = __floor__ = __ceil__ = __trunc__ = __round__ = cast(Any, _rounded)
     __mod__ = __rmod__ = __floordiv__ = __rfloordiv__ = cast(Any, _rounded)

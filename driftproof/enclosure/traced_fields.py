@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
-from driftproof.enclosure.numbers import ROUNDS, Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import NEEDS_INTEGERS, Enclosed, Evaluation, Refused
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 
@@ -33,9 +33,9 @@ def field_of_function(f: RightHandSide, components: int) -> VectorField:
     try:
         rates = enclosed_rates(enclosable(f), Enclosed(evaluation, Traced("t", doubles)), names)
     except Refused as refusal:
-        if not str(refusal).startswith(ROUNDS):
+        if not str(refusal).startswith(NEEDS_INTEGERS):
             raise
-        raise Refused(f"{ROUNDS}; a problem needs formulas, certify takes such an f of the time") from None
+        raise Refused(f"{NEEDS_INTEGERS}; a problem needs formulas, certify takes such an f of the time") from None
     texts = tuple(Traced.of(rate.value, doubles).text for rate in rates)
     return VectorField(texts, tuple((name, value) for value, name in doubles.items()))
 
