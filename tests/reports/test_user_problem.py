@@ -325,7 +325,5 @@ def test_doubles_of_a_function_stand_on_the_page_as_they_were_written_and_long_r
     (refused,) = stability(own, ["symplectic_euler"])["methods"]
     assert len(refused["refused"]) < 150
     kinked = {"function": lambda t, y: [np.clip(-y[0], -1, 1)], "start": [0], "end": 1}
-    with pytest.raises(
-        Refused, match=r"f compares numbers, as abs, clip or an if do; a problem needs formulas, certify t"
-    ):
+    with pytest.raises(Refused, match=r"f compares numbers, as clip or an if do; a problem needs formulas, certify t"):
         problem_given(kinked)
