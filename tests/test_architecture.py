@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 3989,
     "blackbox": 20936,
-    "enclosure": 4301,
+    "enclosure": 4295,
     "texts": 9640,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5883

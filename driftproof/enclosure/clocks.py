@@ -72,7 +72,7 @@ class Clock(Enclosed):
         if (span := self.evaluation.span) is None:
             values = self.value if isinstance(self.value, arb) else self.value.range()
             if (unique := values.floor().unique_fmpz()) is None:
-                raise Refused(f"f takes the floor of a number near {float(self.value.mid()):.9g}")
+                raise Refused(f"f takes the floor of a number near {float(values.mid()):.9g}")
             return int(unique)
         first = self.offset + self.rate * span[0]
         k = floor(first) if self.rate > 0 else ceil(first) - 1

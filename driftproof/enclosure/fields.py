@@ -63,7 +63,8 @@ def enclosed_values(
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
-    return np.hstack([np.ravel(_lifted(value, evaluation)) for value in values]).tolist() if len(values) else []
+    enclosed = map(evaluation.enclosed, values)
+    return [x for each in enclosed for x in (each.ravel() if isinstance(each, np.ndarray) else (each,))]
 
 
 def array_of(values: Iterable[Any]) -> Any:
@@ -72,10 +73,6 @@ def array_of(values: Iterable[Any]) -> Any:
     made = np.empty(len(listed), dtype=object)
     made[:] = listed
     return made
-
-
-def _lifted(rate: object, evaluation: Evaluation) -> Any:
-    return evaluation.enclosed(rate)
 
 
 def time_first(f: RightHandSide) -> RightHandSide:
@@ -207,7 +204,7 @@ class _Math(ModuleType):
                 return plain(first)
             if isinstance(first, Clock) and name == "fmod":
                 return first % arguments[1] if first > 0 else -(-first % arguments[1])
-            arguments = tuple(_lifted(x, evaluations[0]) for x in arguments)
+            arguments = tuple(map(evaluations[0].enclosed, arguments))
             if name in _OF_FINITE:
                 return _OF_FINITE[name]
             if name not in _MATH:

@@ -142,9 +142,8 @@ class _Path:
         try:
             decided = decisions(self.f, self.t, self.point, self.doubles)
         except Refused as refusal:
-            at_once = (self.last - self.first) / 2**ctx.prec
             if str(refusal).startswith(COMPARES):
-                if self._cross(at_once, error):
+                if self._cross((self.last - self.first) / 2**ctx.prec, error):
                     return
                 raise not_smooth(self.t, str(refusal)) from None
             raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
@@ -165,10 +164,8 @@ class _Path:
 
     def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
         """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
-        box, unit = (
-            [x + e for x, e in zip(self.point, error, strict=True)],
-            Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length()),
-        )
+        box = [x + e for x, e in zip(self.point, error, strict=True)]
+        unit = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
         while unit < WIDEST_WINDOW * (self.last - self.first):
             h = (self.t + 2 * unit) // unit * unit + unit - self.t  # so that the time behind it is short
             if (window := crossed(self.f, self.t, h, box)) is not None:
