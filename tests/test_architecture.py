@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1278,
-    "methods": 5454,
+    "methods": 5486,
     "symbolic": 10721,
-    "numeric": 3989,
+    "numeric": 4012,
     "blackbox": 20936,
-    "enclosure": 4295,
+    "enclosure": 4348,
     "texts": 9640,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5883
+BUDGET_OF_REPORTS_AND_FRONT = 5900
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -130,6 +130,11 @@ class Clock(Enclosed):
     __gt__, __ge__, __lt__, __le__, __eq__ = map(_by_sign, ("gt", "ge", "lt", "le", "eq"))
 
 
+def exact_constant(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
+    """An exact constant in a ball; comparisons of the time with a rational one are decided exactly."""
+    return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)
+
+
 def _line(x: object) -> _Line | None:
     """Offset and rate of a clock or of a constant; None for any other number."""
     if isinstance(x, Clock):
@@ -143,6 +148,8 @@ def _factors(x: object) -> _Line | None:
 
 
 def _constant(x: object) -> Fraction | None:
+    if isinstance(x, Clock) and not x.rate:
+        return x.offset
     if isinstance(x, np.generic):
         x = x.item()
     if isinstance(x, Rational) or (isinstance(x, float) and np.isfinite(x)):

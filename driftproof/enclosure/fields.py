@@ -200,9 +200,9 @@ class _Math(ModuleType):
             evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
             if not evaluations:
                 return plain(*arguments)
-            if isinstance(first := arguments[0], Clock) and name in _TO_INTEGERS:
-                return plain(first)
-            if isinstance(first, Clock) and name == "fmod":
+            if name in _TO_INTEGERS:
+                return plain(first := arguments[0])
+            if isinstance(first := arguments[0], Clock) and name == "fmod":
                 return first % arguments[1] if first > 0 else -(-first % arguments[1])
             arguments = tuple(map(evaluations[0].enclosed, arguments))
             if name in _OF_FINITE:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import wraps
+from math import floor
 from numbers import Rational
 from typing import Any, ClassVar, TypeAlias, cast
 
@@ -276,11 +277,29 @@ class Enclosed:
 
     __index__ = __complex__ = cast(Any, __float__)
 
-    def _rounded(self, *_: object) -> Any:
-        raise Refused(f"{NEEDS_INTEGERS}, which is enclosed of the time alone")
+    def __floor__(self) -> Any:
+        """The integer part as text. Raises Refused for other numbers: `clocks` has that of the time."""
+        if (written := getattr(self.value, "whole", None)) is not None:
+            return Enclosed(self.evaluation, written())
+        return self._rounded()
 
-    __int__ = __floor__ = __ceil__ = __trunc__ = __round__ = cast(Any, _rounded)
-    __mod__ = __rmod__ = __floordiv__ = __rfloordiv__ = cast(Any, _rounded)
+    def __ceil__(self) -> Any:
+        return -floor(-self)
+
+    @_lifts_other
+    def __floordiv__(self, o: Enclosed) -> Any:
+        return floor(self / o)
+
+    @_lifts_other
+    def __mod__(self, o: Enclosed) -> Any:
+        return self - floor(self / o) * o
+
+    def _rounded(self, *_: object) -> Any:
+        written = hasattr(self.value, "whole")
+        said = "a problem may use math.floor and %" if written else "which is enclosed of the time alone"
+        raise Refused(f"{NEEDS_INTEGERS}{';' if written else ','} {said}")
+
+    __int__ = __trunc__ = __round__ = __rmod__ = __rfloordiv__ = cast(Any, _rounded)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Apply a NumPy function to numbers, or to arrays that contain them."""

@@ -5,16 +5,18 @@ from __future__ import annotations
 import ast
 from collections.abc import Sequence
 from fractions import Fraction
+from math import floor
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from driftproof.enclosure.clocks import exact_constant
 from driftproof.enclosure.fields import RightHandSide, time_first
 from driftproof.enclosure.numbers import Enclosed
 from driftproof.methods.field_text import field_of_text
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 from driftproof.symbolic.algebra.certified import enclose
 
 # The forms in which a user may give f: a function of (t, y), text, or a field.
@@ -65,13 +67,15 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
         if isinstance(t, Fraction):
             return list(exact)
         balls = [enclose(x) for x in exact]
+        if isinstance(t, Enclosed) and not field.smooth:  # where the time is compared with them, as exact constants
+            return [exact_constant(t.evaluation, x, ball) for x, ball in zip(exact, balls, strict=True)]
         if isinstance(t, Enclosed):
             return [Enclosed(t.evaluation, ball) for ball in balls]
         return [float(ball.mid()) for ball in balls]
 
     lines = [f"[{', '.join(field.components)}] = y", f"[{', '.join(names)}] = ν(t)", f"return [{', '.join(texts)}]"]
     text = maker_text((), "f", ["def f(t, y):", *indented(lines)])
-    known = {"ν": numbers, **{name: getattr(np, name) for name in FUNCTIONS}}
+    known = {"ν": numbers, FLOOR: floor, **{name: getattr(np, name) for name in FUNCTIONS}}
     made: RightHandSide = maker(text, "right-hand side", known)()
     return made
 

@@ -1,54 +1,79 @@
-"""Turning a user's right-hand side into text that every engine can run, by one run on names instead of numbers."""
+"""Turning a user's right-hand side into text that every engine can run, by runs on names instead of numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
 from flint import arb
 
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
-from driftproof.enclosure.numbers import NEEDS_INTEGERS, Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.methods.number_field import dyadic
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 
 # Larger integers become parameters, since compilers have 64-bit integers.
 _LARGEST_LITERAL = 2**31
 # chosen: text that is longer comes from a loop, and not from a formula.
 _LONGEST_TRACE = 100_000
+# chosen: each outcome of f's comparisons takes a run; measured data of 60 points have so many.
+_MOST_OUTCOMES = 64
 
 
 def field_of_function(f: RightHandSide, components: int) -> VectorField:
     """y' = f(t, y) as text in t, y0, y1, ...; the doubles in f become parameters with exactly their values.
 
-    Raises Refused if f compares numbers, or uses a function that a `VectorField` does not have.
+    f is run once for each way that its comparisons may go, and what these runs give becomes choices in the text. Raises
+    Refused if they are too many, or if f uses a function that a `VectorField` does not have.
 
     >>> field_of_function(lambda t, y: [y[1], -0.5 * y[0]], 2)
     VectorField(rates=('y1', '(y0 * double_0)'), parameters=(('double_0', Fraction(-1, 2)),))
     """
     doubles: dict[Fraction, str] = {}
-    evaluation = _Tracing(doubles)
-    names = [Enclosed(evaluation, Traced(f"y{i}", doubles)) for i in range(components)]
-    try:
-        rates = enclosed_rates(enclosable(f), Enclosed(evaluation, Traced("t", doubles)), names)
-    except Refused as refusal:
-        if not str(refusal).startswith(NEEDS_INTEGERS):
-            raise
-        raise Refused(f"{NEEDS_INTEGERS}; a problem needs formulas, certify takes such an f of the time") from None
-    texts = tuple(Traced.of(rate.value, doubles).text for rate in rates)
-    return VectorField(texts, tuple((name, value) for value, name in doubles.items()))
+    rates = _Runs(enclosable(f), components, doubles).rates(())
+    return VectorField(tuple(rates), tuple((name, value) for value, name in doubles.items()))
+
+
+class _Runs:
+    """Runs of f on names, with all outcomes of its comparisons."""
+
+    def __init__(self, f: RightHandSide, components: int, doubles: dict[Fraction, str]) -> None:
+        self.f, self.components, self.doubles, self.made = f, components, doubles, 0
+
+    def rates(self, outcomes: Sequence[bool]) -> list[str]:
+        """The rates where the first comparisons come out so."""
+        self.made += 1
+        if self.made > _MOST_OUTCOMES:
+            raise Refused(f"f compares numbers with more than {_MOST_OUTCOMES} outcomes; certify takes such an f")
+        evaluation = _Tracing(self.doubles, outcomes)
+        names = [Enclosed(evaluation, Traced(f"y{i}", self.doubles)) for i in range(self.components)]
+        found = enclosed_rates(self.f, Enclosed(evaluation, Traced("t", self.doubles)), names)
+        texts = [Traced.of(rate.value, self.doubles).text for rate in found]
+        conditions = list(evaluation.known)
+        for at in reversed(range(len(outcomes), len(conditions))):
+            others = self.rates([*list(evaluation.known.values())[:at], False])
+            pairs = zip(texts, others, strict=True)
+            texts = [one if one == other else f"({one} if {conditions[at]} else {other})" for one, other in pairs]
+        return texts
 
 
 class _Tracing(Evaluation):
-    """A run on names, in which constants become integers or names, too."""
+    """A run on names, in which constants become integers or names, too; comparisons come out as told, then as true."""
 
-    def __init__(self, names: dict[Fraction, str]) -> None:
+    def __init__(self, names: dict[Fraction, str], outcomes: Sequence[bool]) -> None:
         super().__init__()
-        self.names = names
+        self.names, self.outcomes, self.known = names, outcomes, dict[str, bool]()
 
     def constant(self, x: object) -> Traced:
         return Traced.of(super().constant(x), self.names)
+
+    def decide(self, difference: Traced, at_zero: bool = False) -> bool:
+        """The outcome of this run, the same each time that f asks."""
+        text = difference.text.removeprefix("(").removesuffix(" - 0)") if difference.text.endswith(" - 0)") else ""
+        condition = f"{text or difference.text} {'>=' if at_zero else '>'} 0"
+        at = len(self.known)
+        return self.known.setdefault(condition, self.outcomes[at] if at < len(self.outcomes) else True)
 
 
 class Traced:
@@ -96,11 +121,9 @@ class Traced:
     def __sub__(self, other: Any) -> Traced:
         return self._with("-", other)
 
-    def __gt__(self, other: Any) -> bool:
-        """Raise Refused: text has no branches."""
-        raise Refused("f compares numbers, as clip or an if do; a problem needs formulas, certify takes such an f")
-
-    __lt__ = __gt__
+    def whole(self) -> Traced:
+        """The largest integer that is not larger."""
+        return Traced(f"{FLOOR}({self.text})", self.doubles)
 
     def modulus(self) -> Traced:
         """|x|, which a field may have, although a comparison makes it."""

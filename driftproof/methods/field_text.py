@@ -14,7 +14,7 @@ from driftproof.methods.expression_tree import ExpressionError
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact, ends_of
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (
     TomlTable,
     as_list,
@@ -55,8 +55,20 @@ class _Pi:
             return ends_of(self())
 
 
-# Other functions, in terms of FUNCTIONS.
-_WRITTEN = {"tan": "(sin({0}) / cos({0}))", "tanh": "(1 - 2 / (exp(2 * ({0})) + 1))", "ln": "log({0})"}
+# Other functions, in terms of FUNCTIONS and of choices.
+_WRITTEN = {
+    "tan": "(sin({0}) / cos({0}))",
+    "tanh": "(1 - 2 / (exp(2 * ({0})) + 1))",
+    "ln": "log({0})",
+    FLOOR: "floor({0})",
+    "sign": "(1 if {0} > 0 else -1 if {0} < 0 else 0)",
+    "heaviside": "(1 if {0} >= 0 else 0)",
+}
+_OF_TWO = {
+    "max": "({0} if {0} > {1} else {1})",
+    "min": "({0} if {0} < {1} else {1})",
+    "mod": "({0} - floor(({0}) / ({1})) * ({1}))",
+}
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -92,7 +104,7 @@ def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, An
     """The components y0, y1, ... by the names of the unknowns: those of a table, or y if there is one component."""
     if isinstance(rates, Mapping):
         for name in rates:
-            if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *parameters):
+            if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, FLOOR, *parameters):
                 raise ValueError(f"rates: {quoted(name)} cannot name an unknown: not a valid name, or already in use")
         return {name: f"y{i}" for i, name in enumerate(rates)}
     return {"y": "y0"} if len(rates) == 1 and "y" not in parameters else {}
@@ -235,8 +247,10 @@ class _Writer(tree.ExpressionParser):
                 return self._short(_WRITTEN.get(name, f"{name}({{0}})").format(self.bare_text(argument)), node.column)
             case tree.PowerNode():
                 return self._power_text(node)
-        known = ", ".join((*FUNCTIONS, *_WRITTEN))
-        raise ExpressionError(self.text, node.column, f"the functions are {known}, each of one argument")
+            case tree.CallNode(function=name, arguments=(one, other)) if name in _OF_TWO:
+                return self._short(_OF_TWO[name].format(self.bare_text(one), self.bare_text(other)), node.column)
+        known = f"{', '.join((*FUNCTIONS, *_WRITTEN))}, each of one argument, and {', '.join(_OF_TWO)} of two"
+        raise ExpressionError(self.text, node.column, f"the functions are {known}")
 
     def _power_text(self, node: tree.PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)

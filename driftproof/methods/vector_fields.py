@@ -16,9 +16,12 @@ from driftproof.support.plain_text import shortened
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt", "abs")
+# A function with jumps, which has the derivative 0 elsewhere.
+FLOOR = "floor"
 # What derivatives use besides, as if it were constant: copysign(1, x), of abs.
 OF_DERIVATIVES = ("copysign",)
-_ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div)
+_OPERATORS = (ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Gt, ast.GtE, ast.Lt, ast.LtE)
+_ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.IfExp, ast.Name, ast.Load, *_OPERATORS)
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,9 @@ class VectorField:
     """The system y' = f(t, y), with an expression for each component of f.
 
     An expression contains t, y0, y1, ..., named parameters, whole numbers, + - * / and `FUNCTIONS`, as in van der Pol's
-    VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)). Powers are written as products, because
-    compilers and Python compute them differently. Parameters are exact. Raises MethodError for any other expression.
+    VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)). With kinks or jumps it also contains
+    floor and choices by one comparison, as (y0 if y0 > 0 else 0). Powers are written as products, because compilers and
+    Python compute them differently. Parameters are exact. Raises MethodError for any other expression.
     `unknowns` are the user's own names of y0, y1, ..., if there are any, for reports and messages.
     """
 
@@ -57,6 +61,12 @@ class VectorField:
     def autonomous(self) -> bool:
         """True if no rate reads t."""
         return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
+
+    @property
+    def smooth(self) -> bool:
+        """True if no rate has a kink or a jump: an absolute value, a choice, a number rounded to an integer."""
+        nodes = (node for i, rate in enumerate(self.rates) for node in ast.walk(_parsed(rate, i)))
+        return not any(isinstance(node, ast.IfExp) or getattr(node, "id", "") in ("abs", FLOOR) for node in nodes)
 
     def dependence(self) -> list[set[int]]:
         """The indices of the components that each rate reads."""
@@ -292,6 +302,7 @@ def _require_new_names(field: Field, text: ProgramText) -> None:
         "step",
         *FUNCTIONS,
         *OF_DERIVATIVES,
+        FLOOR,
         *field.components,
     }
     taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}
@@ -322,12 +333,16 @@ def _names(tree: ast.AST) -> set[str]:
 def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]:
     """The parts that a rate may not have: unknown names, calls other than of `FUNCTIONS`, numbers not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    chosen = [node.test for node in ast.walk(tree) if isinstance(node, ast.IfExp)]
     for node in ast.walk(tree):
         whole = isinstance(node, ast.Constant) and type(node.value) is int
         if whole or (isinstance(node, ast.Call) and not node.keywords):
             continue
-        allowed = (*FUNCTIONS, *OF_DERIVATIVES) if node in called else known
-        if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):
+        if isinstance(node, ast.Compare) and node in chosen and len(node.ops) == 1:
+            continue
+        allowed = (*FUNCTIONS, *OF_DERIVATIVES, FLOOR) if node in called else known
+        tested = not isinstance(node, ast.IfExp) or isinstance(node.test, ast.Compare)
+        if not (isinstance(node, _ALLOWED) and tested) or (isinstance(node, ast.Name) and node.id not in allowed):
             yield repr(ast.unparse(node) or type(node).__name__)
 
 
@@ -346,7 +361,10 @@ def _derivative(x: ast.expr, name: str) -> ast.expr:
         return _negative(_derivative(x.operand, name))
     if isinstance(x, ast.BinOp):
         return _OF_OPERATION[type(x.op)](x.left, x.right, _derivative(x.left, name), _derivative(x.right, name))
-    if isinstance(x, ast.Call) and isinstance(x.func, ast.Name) and x.func.id not in OF_DERIVATIVES:
+    if isinstance(x, ast.IfExp):
+        one, other = _derivative(x.body, name), _derivative(x.orelse, name)
+        return one if ast.dump(one) == ast.dump(other) else ast.IfExp(x.test, one, other)
+    if isinstance(x, ast.Call) and isinstance(x.func, ast.Name) and x.func.id not in (*OF_DERIVATIVES, FLOOR):
         (argument,) = x.args
         return _product(_OF_FUNCTION[x.func.id](argument), _derivative(argument, name))
     return ZERO

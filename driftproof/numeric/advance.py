@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import FLOAT_FUNCTIONS, compiled_runner, program_function, runner
+from driftproof.numeric.engine import compiled_runner, elementwise, program_function, runner
 from driftproof.numeric.implicit import ImplicitRun, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
@@ -70,14 +70,16 @@ def float_start(problem: Problem) -> State:
 def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -> Rate:
     """Return f(t, y) of the field as a function of a number and a sequence of numbers, whose value is a list.
 
-    `functions` maps the names in `vector_fields.FUNCTIONS` to functions of such numbers. Without it y is converted to
-    Python floats, whose overflows and divisions by zero raise.
+    `functions` are those of such numbers, see `engine.functions_of`. Without them y is converted to Python floats,
+    whose overflows and divisions by zero raise.
     """
     names = [name for name, _ in field.parameters]
     numbers = "map(float, y)" if functions is None else "y"
     lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return [{', '.join(field.at({}))}]"]
     text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])  # called run, as no parameter may be
-    return program_function(text, "run", field.parameters, FLOAT_FUNCTIONS if functions is None else functions)
+    if functions is None:
+        return program_function(text, "run", field.parameters)
+    return program_function(elementwise(text), "run", field.parameters, functions)
 
 
 def rests_at_origin(problem: Problem) -> bool:

@@ -8,6 +8,7 @@ division by zero, compiled loops and arrays go on with infinities and NaN.
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import FUNCTIONS, OF_DERIVATIVES, FieldSource, VectorField, field_source
+from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, OF_DERIVATIVES, FieldSource, VectorField, field_source
 
 FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.
@@ -29,7 +30,9 @@ Run: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...
 
 # How many states of an ensemble are stepped together: such a block stays in the fastest cache.
 BLOCK = 512
-FLOAT_FUNCTIONS = {"abs": abs} | {name: getattr(math, name) for name in (*FUNCTIONS, *OF_DERIVATIVES) if name != "abs"}
+FLOAT_FUNCTIONS = {"abs": abs} | {
+    name: getattr(math, name) for name in (*FUNCTIONS, *OF_DERIVATIVES, FLOOR) if name != "abs"
+}
 
 
 def compiled_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
@@ -74,8 +77,23 @@ def array_runner(method: Method, field: VectorField, library: Any) -> Run:
     operations have the same bits; if `jax.jit` fuses products into sums, results differ within the derived bound.
     """
     source = field_source(method, field)
-    functions = {name: getattr(library, name) for name in FUNCTIONS}
-    return program_function(source.run(), method.key, source.coefficients, functions)
+    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(library))
+
+
+def functions_of(library: Any) -> dict[str, Any]:
+    """The functions that the text of `elementwise` may call, as a library has them."""
+    return {name: getattr(library, name) for name in (*FUNCTIONS, FLOOR, "where")}
+
+
+def elementwise(text: str) -> str:
+    """The program text with each choice as where(test, one, other), which arrays have."""
+    return ast.unparse(_Elementwise().visit(ast.parse(text))) if " if " in text else text
+
+
+class _Elementwise(ast.NodeTransformer):
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
+        self.generic_visit(node)
+        return ast.Call(ast.Name("where", ast.Load()), [node.test, node.body, node.orelse], [])
 
 
 @cache

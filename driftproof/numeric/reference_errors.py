@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from decimal import Decimal, localcontext
+from decimal import ROUND_FLOOR, Decimal, localcontext
 from fractions import Fraction
 from math import atan2, degrees, dist, hypot, isfinite
-from operator import add, mul, sub, truediv
+from operator import add, ge, gt, le, lt, mul, sub, truediv
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
@@ -149,6 +149,8 @@ def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
             return -_value(operand, names)
         case ast.BinOp(left=left, op=op, right=right):
             return _OPERATIONS[type(op)](_value(left, names), _value(right, names))
+        case ast.IfExp(test=ast.Compare(left=left, ops=[op], comparators=[right]), body=one, orelse=other):
+            return _value(one if _COMPARISONS[type(op)](_value(left, names), _value(right, names)) else other, names)
     found: Decimal = _FUNCTIONS[node.func.id](*(_value(argument, names) for argument in node.args))
     return found
 
@@ -173,4 +175,5 @@ def _cos(x: Decimal) -> Decimal:
 
 _OPERATIONS: dict[Any, Callable[[Any, Any], Decimal]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
 _FUNCTIONS: dict[str, Any] = {"sin": _sin, "cos": _cos, "exp": Decimal.exp, "log": Decimal.ln, "sqrt": Decimal.sqrt}
-_FUNCTIONS |= {"abs": abs, "copysign": Decimal.copy_sign}
+_FUNCTIONS |= {"abs": abs, "copysign": Decimal.copy_sign, "floor": lambda x: x.to_integral_value(ROUND_FLOOR)}
+_COMPARISONS: dict[Any, Callable[[Any, Any], bool]] = {ast.Gt: gt, ast.GtE: ge, ast.Lt: lt, ast.LtE: le}

@@ -168,7 +168,7 @@ def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
     """
     n, zero = len(field.rates), Fraction(0)
     slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components if n <= MOST_PROVED]
-    if n > MOST_PROVED or not field.autonomous or re.search(r"\by\d", " ".join(slopes)):
+    if n > MOST_PROVED or not (field.autonomous and field.smooth) or re.search(r"\by\d", " ".join(slopes)):
         return None
     try:
         at_origin, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))

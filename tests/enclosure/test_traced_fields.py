@@ -10,6 +10,7 @@ import pytest
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
+from driftproof.numeric.advance import field_rate
 from tests.enclosure.right_hand_sides import kepler
 from tests.looping import exactly
 
@@ -50,9 +51,50 @@ def test_same_double_is_one_parameter():
     assert [(name, float(x)) for name, x in field.parameters] == [("double_0", 0.1), ("double_1", 0.1 + 3e9)]
 
 
+def dose(t, y):
+    return [(5.0 if t % 12 < 0.5 else 0.0) - 0.3 * y[0], y[0] // 0.25 - math.ceil(t / 2)]
+
+
+CHOICES = {
+    "dose": dose,
+    "friction": lambda t, y: [y[1], -y[0] - 0.2 * np.sign(y[1])],
+    "spring": lambda t, y: [y[1], -9.81 + 1e3 * max(-y[0], 0) + min(y[1], 2 * y[0], 0.5)],
+    "tank": lambda t, y: [0.5 - math.sqrt(y[0]) if y[0] > 0 else 0.5, np.clip(y[1], -1, 1)],
+    "data": lambda t, y: [-y[0] + np.interp(t, [0, 1, 2.5, 4], [0.0, 1.0, 0.5, 0.0]), y[0] * (y[1] >= 0.5)],
+    "where": lambda t, y: np.array([y[1], np.where(y[0] > 0.5, -1.0, np.heaviside(y[1] - t, 0))]),
+    "in order": lambda t, y: [1.0 if -1 < y[0] <= 1 else 2.0, 0.0 if y[0] == 0.5 else y[1]],
+}
+PLACES = [
+    (t, q, v) for t in (0.25, 0.5, 1.0, 3.5, 13.0) for q in (-2.0, -1.0, 0.0, 0.5, 0.75) for v in (-1.5, 0.0, 0.5)
+]
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_all_outcomes_of_comparisons_are_in_the_text(name):
+    f = CHOICES[name]
+    made = field_of_function(f, 2)
+    assert not made.smooth
+    floats, balls = field_rate(made), field_function(made)
+    for t, *y in exactly(75, PLACES):
+        wanted = [*map(float, f(t, np.array(y)))]
+        assert floats(t, y) == pytest.approx(wanted, rel=1e-15, abs=1e-15), (t, y)
+        assert balls(t, np.array(y)) == pytest.approx(wanted, rel=1e-15, abs=1e-15), (t, y)
+
+
+def test_a_comparison_that_is_asked_again_has_the_same_outcome_and_rates_without_it_have_no_choice():
+    field = field_of_function(lambda t, y: [y[1], max(0, y[0]) * max(0, y[0]) + max(0, y[0])], 2)
+    assert field.rates == ("y1", "(((y0 * y0) + y0) if y0 > 0 else ((0 * 0) + 0))")
+
+
+def test_outcomes_are_counted():
+    knots = np.arange(63.0)
+    assert len(field_of_function(lambda t, y: [np.interp(t, knots, knots**2)], 1).rates) == 1
+    with pytest.raises(Refused, match="compares numbers with more than 64 outcomes; certify takes such an f"):
+        field_of_function(lambda t, y: [np.interp(t, np.arange(64.0), np.arange(64.0) ** 2)], 1)
+
+
 REFUSED = {
-    "takes a remainder; a problem needs formulas": lambda t, y: [y[0] * (t % 12)],
-    "compares numbers": lambda t, y: [max(y[0], 1)],
+    "takes a remainder; a problem may use math.floor and %": lambda t, y: [y[0] * int(t)],
     "uses atan; a problem may use sin, cos, exp, log, sqrt, abs, and": lambda t, y: [np.arctan(y[0])],
     "uses exprel; a problem may use sin": lambda t, y: [pytest.importorskip("scipy.special").exprel(y[0])],
     "not a double": lambda t, y: [y[0] * np.radians(y[0])],

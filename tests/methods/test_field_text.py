@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from flint import arb, ctx
 
@@ -17,6 +18,8 @@ from driftproof.methods.field_text import (
     rate_of_text,
     start_of_table,
 )
+from driftproof.numeric.advance import field_rate
+from tests.looping import exactly
 
 WRITTEN = {
     "-sin(y0)": "-sin(y0)", "0.1*y0 - 3e-2": "((1 / 10) * y0) - (3 / 100)", "y0^3": "(y0 * y0 * y0)",
@@ -57,9 +60,19 @@ def test_components_are_parted_by_semicolons_or_listed():
         rate_of_text("t - (1 + x)", {"x": 99_997 * "y"})
 
 
+def test_functions_with_kinks_and_jumps_are_choices():
+    field = field_of_text("max(y0, 1 - t) + min(2 y0, t); sign(y1) + heaviside(t - 1) * floor(t) - mod(t, 3/2)")
+    assert not field.smooth
+    rate, chosen = field_rate(field), [(0.0, -2.0, 3.0), (0.5, 0.25, 0.0), (1.0, 7.0, -1.0), (3.5, 0.0, 0.5)]
+    for t, q, v in exactly(4, chosen):
+        rest = np.sign(v) + np.heaviside(t - 1, 1) * np.floor(t) - t % 1.5
+        assert rate(t, (q, v)) == [max(q, 1 - t) + min(2 * q, t), rest]
+
+
 REFUSED = {
-    "erf(y0)": r"column 1: the functions are sin, cos, exp, log, sqrt, abs, tan, tanh, ln, each of one argument",
+    "erf(y0)": r"column 1: the functions are sin, .*, floor, sign, heaviside, each of one argument, and max, min, mod of",
     "sin(y0, t)": r"column 1: the functions are",
+    "max(y0)": r"column 1: the functions are",
     "y0^(1/3)": r"column 1: an exponent must be a multiple of 1/2",
     "y; y1": r"rate 0, 'y': 'y' is not allowed",
     "y0; ": r"the right-hand side is empty",

@@ -108,7 +108,9 @@ def test_a_run_of_a_system_goes_on_where_it_stopped_bit_for_bit():
         (("0.1 * y0",), (), r"'0\.1' is not allowed"), (("y0 ** 2",), (), "is not allowed"),
         (("tan(y0)",), (), "'tan' is not allowed"), (("y0.real",), (), "is not allowed"),
         (("sin",), (), "'sin' is not allowed"), (("y0 +",), (), "not an expression"),
-        (("y0 if t else y0",), (), "is not allowed"), (("True * y0",), (), "'True' is not allowed"),
+        (("y0 if t else y0",), (), "'y0 if t else y0' is not allowed"),
+        (("y0 > 0",), (), "'y0 > 0' is not allowed"), (("y0 if 0 < y0 < 1 else t",), (), "'0 < y0 < 1' is not allowed"),
+        (("floor",), (), "'floor' is not allowed"), (("True * y0",), (), "'True' is not allowed"),
     ],
 )  # fmt: skip
 def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):

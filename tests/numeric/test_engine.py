@@ -18,7 +18,7 @@ from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_run
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
-from tests.looping import some
+from tests.looping import exactly, some
 from tests.methods.tables.entries import EXPLICIT
 from tests.numeric.engine_runs import OSCILLATOR, PENDULUM, oscillator_run, step_by_step
 from tests.witnesses.any_order import any_order
@@ -112,6 +112,28 @@ def test_an_ensemble_of_systems_has_the_bits_of_each_system():
         assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
     arrays = array_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
     assert tuple(x[4] for x in arrays) == runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
+
+
+CHOSEN = VectorField(
+    ("y1", "(-y0 if y0 > 0 else 2 * y0 - (1 if y1 >= 0 else -1)) + floor(8 * t) * (t if y1 < y0 else 1)")
+)
+
+
+def test_arrays_choose_for_each_member_as_floats_do():
+    start, run = np.random.default_rng(3).uniform(-1, 1, (2, 40)), runner(METHODS["rk4"], CHOSEN)
+    arrays = array_runner(METHODS["rk4"], CHOSEN, np)(tuple(start), 0.1, 3, 9)
+    assert len({tuple(column > 0) for column in start.T}) == 4
+    for q, v, *ends in exactly(40, zip(*start.tolist(), *arrays, strict=True)):
+        assert bits(*ends) == bits(*run((q, v), 0.1, 3, 9))
+
+
+@pytest.mark.long  # numba compiles
+def test_compiled_choices_have_the_same_bits():
+    pytest.importorskip("numba")
+    for start in ((0.5, 0.25), (-0.5, 0.25)):
+        assert bits(*compiled_runner(METHODS["rk4"], CHOSEN)(start, 0.1, 0, 9)) == bits(
+            *runner(METHODS["rk4"], CHOSEN)(start, 0.1, 0, 9)
+        )
 
 
 def library_named(name):

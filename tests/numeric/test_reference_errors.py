@@ -114,6 +114,13 @@ def test_floor_of_an_energy_with_a_modulus_has_its_slope(sign: int) -> None:
     assert floors(problem)[ENERGY] == pytest.approx(24 * float(U))
 
 
+def test_energy_with_choices_is_that_of_the_side_of_the_state() -> None:
+    problem = replace(
+        DECAY, energy="(y0 * y0 if y0 >= 1 else 3 if y0 > 0 else 4 if y0 < -1 else floor(y0)) + floor(y0)"
+    )
+    assert [decimal_energy(problem, [x]) for x in (1.5, 1.0, 0.5, -0.5, -1.0, -1.5)] == [3.25, 2, 3, -2, -2, 2]
+
+
 @pytest.mark.parametrize("energy", ["y0 ** 2", "y0 * 0.5", "tan(y0)", "y0 % 2"])
 def test_an_energy_that_holds_what_a_rate_may_not_is_refused(energy: str) -> None:
     with pytest.raises(MethodError, match="is not allowed"):

@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import arb, ctx
+from mpmath import atan, cos, mpf, nstr, sin, sqrt, workdps
 
 from driftproof.enclosure.numbers import Refused
 from driftproof.methods.catalogue import METHODS
@@ -325,6 +326,49 @@ def test_doubles_of_a_function_stand_on_the_page_as_they_were_written_and_long_r
     assert "3152519739159347" not in page
     (refused,) = stability(own, ["symplectic_euler"])["methods"]
     assert len(refused["refused"]) < 150
-    kinked = {"function": lambda t, y: [np.clip(-y[0], -1, 1)], "start": [0], "end": 1}
-    with pytest.raises(Refused, match=r"f compares numbers, as clip or an if do; a problem needs formulas, certify t"):
-        problem_given(kinked)
+
+
+def dosed(rate, share):
+    """c' = 5 for the first `share` of every 12 hours, less rate c: what is left of each dose at t = 36."""
+    rate = Decimal(rate)
+    one = 5 / rate * (1 - (-rate * 12 * share).exp())
+    return [sum(one * (-rate * (36 - 12 * k - 12 * share)).exp() for k in range(3))]
+
+
+def slid(friction):
+    """x'' = -x - friction sign(x'), from (1, 1/4): two parts of circles around -friction and friction, until 3/2."""
+    with workdps(40):
+        c = mpf(friction)
+        turn = mpf(1) / 4 / (1 + c)
+        first, radius = atan(turn), sqrt((1 + c) ** 2 + mpf(1) / 16) - 2 * c
+        return [nstr(c + radius * cos(mpf(3) / 2 - first), 30), nstr(-radius * sin(mpf(3) / 2 - first), 30)]
+
+
+def infusion(t, y, rate):
+    return [(5.0 if t % 12 < 3 else 0.0) - rate * y[0]]
+
+
+KINKED = {
+    "doses as text": ({"rates": {"c": "5*heaviside(3 - mod(t, 12)) - k*c"}, "start": {"c": 0}, "end": 36,
+                       "parameters": {"k": "0.3"}}, dosed("0.3", Decimal("0.25"))),
+    "doses as code": ({"function": infusion, "start": [0], "end": 36, "parameters": {"rate": 0.3}},
+                      dosed(0.3, Decimal("0.25"))),
+    "friction as text": ({"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}, slid("0.2")),
+    "friction as code": ({"function": lambda t, y: [y[1], -y[0] - 0.2 * np.sign(y[1])], "start": [1, 0.25],
+                          "end": "3/2"}, slid(0.2)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", KINKED)
+def test_a_problem_with_kinks_and_jumps_is_enclosed_as_its_closed_form_says(name):
+    given, wanted = KINKED[name]
+    problem = problem_given(given)
+    assert problem.matrix is None
+    for found, true in exactly(len(wanted), zip(problem.reference.states[-1], wanted, strict=True)):
+        assert abs(Decimal(found) - Decimal(str(true))) < Decimal("1e-19"), name
+
+
+@pytest.mark.parametrize("rate", ["floor(y0)", "sign(y0)", "max(y0, 1) - max(y0, 1)"])
+def test_a_rate_without_slopes_that_jumps_is_not_linear(rate):
+    assert matrix_in(field_of_text([rate])) is None
+    assert matrix_in(field_of_text(["3 - y0"])) == ((-1,),)

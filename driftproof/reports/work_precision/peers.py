@@ -12,10 +12,11 @@ from importlib import import_module
 from math import inf
 from typing import Any
 
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
+from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
 from driftproof.support.environment import how_to_install, installed
@@ -115,7 +116,7 @@ class _TorchDiffEq(Solver):
 
     def __init__(self, problem: Problem, solver: str) -> None:
         self.torch, self.odeint = import_module("torch"), import_module("torchdiffeq").odeint
-        self.rate = field_rate(problem.field, {name: getattr(self.torch, name) for name in FUNCTIONS})
+        self.rate = field_rate(problem.field, functions_of(self.torch))
         self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
         self.solver = solver
 
@@ -134,6 +135,8 @@ class _Heyoka(Solver):
     """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
+        if not problem.field.smooth:
+            raise MethodError("it has no kinks and jumps")
         self.heyoka, self.start = import_module("heyoka"), float_start(problem)
         variables = [self.heyoka.expression(name) for name in problem.field.components]
         rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in FUNCTIONS})
@@ -162,7 +165,7 @@ class _Diffrax(Solver):
         self.jax, self.diffrax, self.solver = import_module("jax"), import_module("diffrax"), solver
         self.jax.config.update("jax_enable_x64", True)
         self.numpy = self.jax.numpy
-        self.rate = field_rate(problem.field, {name: getattr(self.numpy, name) for name in FUNCTIONS})
+        self.rate = field_rate(problem.field, functions_of(self.numpy))
         self.start, self.calls = self.numpy.array(float_start(problem)), 0
         self.compiled, self.counting = (self.jax.jit(self._solver(counting=counting)) for counting in (False, True))
 

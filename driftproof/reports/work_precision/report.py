@@ -11,6 +11,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point, lasting
@@ -162,7 +163,10 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
     goals = GOALS if study.error is None else [study.error]
-    parts = [_head(study), table(order_rows(measured, study.problem.stiff, stated_orders(study.methods)), right=(1,))]
+    parts = [
+        _head(study),
+        table(order_rows(measured, _reduces(study.problem), stated_orders(study.methods)), right=(1,)),
+    ]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
         title = "Dominated: for each of its points, another method has no larger error and no larger cost"
@@ -192,13 +196,18 @@ def _head(study: Study) -> str:
     )
 
 
-def order_rows(measured: Measured, stiff: bool = False, stated: Mapping[str, int | str] = {}) -> list[list[str]]:
-    """Stated and measured order, with the least and the largest slope, and the least error; names order reduction."""
+def _reduces(problem: Problem) -> str:
+    """Why methods may have a lower order on the problem than on smooth ones, if they may."""
+    return "order reduction" if problem.stiff else "" if problem.field.smooth else "f has kinks or jumps"
+
+
+def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, int | str] = {}) -> list[list[str]]:
+    """Stated and measured order, with the least and the largest slope, and the least error; and what reduces orders."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
-        reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
+        reduced = f": {reduces}" * (curve.verdict.startswith("below") and bool(reduces))
         least = _least_error(curve)
         rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows

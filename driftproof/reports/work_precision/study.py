@@ -211,8 +211,12 @@ def _calls_of_solvers(solvers: Mapping[str, Callable[[], Solver]], t: float) -> 
 
 
 def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
-    """The points of a solver at TOLERANCES, until it fails or takes too long where it did not before."""
+    """The points of a solver at TOLERANCES, until it fails or takes too long where it did not before, if it applies."""
     points: list[Point] = []
+    try:
+        solver()
+    except MethodError as error:
+        return Curve(key, key, 0, refused=str(error))
     for tolerance in TOLERANCES:
         points.append(solver_point(solver(), tolerance, study))
         if points[-1].remark and not all(point.remark for point in points):

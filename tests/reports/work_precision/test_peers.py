@@ -130,7 +130,8 @@ def diffeqsolve(term, solver, t0, t1, dt0, y0, **settings):
 
 
 TIME, double = sympy.Symbol("t"), []
-of_numpy, of_sympy = ({name: getattr(of, name, None) for name in FUNCTIONS} for of in (np, sympy))
+CALLED = (*FUNCTIONS, "floor", "where")
+of_numpy, of_sympy = ({name: getattr(of, name, None) for name in CALLED} for of in (np, sympy))
 # What we call of packages that are not installed here.
 FAKES = {
     "torch": SimpleNamespace(tensor=np.array, float64=float, stack=np.array, no_grad=nullcontext, **of_numpy),

@@ -14,6 +14,7 @@ from driftproof.numeric.reference_errors import Size
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
+from driftproof.reports import user_problem
 from driftproof.reports.work_precision import report
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
 from driftproof.symbolic.facts import stated_orders
@@ -190,5 +191,16 @@ def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none():
 
 def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only():
     found = curve_of(METHODS["gauss2"], problem_named("prothero_robinson"), (20, 40, 80, 160))
-    shown = [report.order_rows(SimpleNamespace(curves={"gauss2": found}), stiff)[1][-1] for stiff in (True, False)]
+    shown = [
+        report.order_rows(SimpleNamespace(curves={"gauss2": found}), why)[1][-1] for why in ("order reduction", "")
+    ]
     assert shown == ["below the claimed order 4: order reduction", "below the claimed order 4"]
+
+
+def test_kinks_and_jumps_explain_orders_below_the_claim():
+    stopped = {"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}
+    problem = user_problem.problem_given(stopped)
+    assert report._reduces(problem) == "f has kinks or jumps"
+    assert report._reduces(problem_named("harmonic_oscillator")) == ""
+    found = curve_of(METHODS["rk4"], problem, (20, 40, 80, 160, 320))
+    assert found.order.median < 2
