@@ -46,7 +46,7 @@ def certify_command(options: Namespace) -> str:
 
     what f may be:
       module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
-      'y1; -sin(y0)'  rates in t, y0, ..., sin, cos, tan, exp, log, sqrt, tanh, abs, max, exact numbers; or equations, as in
+      'y1; -sin(y0)'  rates in t, y0, ..., sin, cos, tan, exp, log, sqrt, tanh, abs, max, exact numbers; or equations:
                       "x'=v, v'=-k*sin(x), k=2"; with "x''=-sin(x)", all velocities follow the positions in the file
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"; or function = "module:f"; a run
                       that has another start or end than the file is told so

@@ -32,7 +32,7 @@ def stability_command(options: Namespace) -> str:
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
-      rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, tan, exp, log, sqrt, tanh, abs; 0.1 is 1/10;
+      rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, tan, exp, log, sqrt, tanh, abs; 0.1 = 1/10;
                                             with kinks and jumps: max, min, sign, heaviside, floor, mod(t, 12)
       start = ["1/2", "0"]                  at t = 0; rational, as is end
       end = "10"
