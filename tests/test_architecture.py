@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 4012,
     "blackbox": 20936,
-    "enclosure": 4348,
+    "enclosure": 4353,
     "texts": 9640,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5900

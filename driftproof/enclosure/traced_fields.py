@@ -44,8 +44,7 @@ class _Runs:
     def rates(self, outcomes: Sequence[bool]) -> list[str]:
         """The rates where the first comparisons come out so."""
         self.made += 1
-        if self.made > _MOST_OUTCOMES:
-            raise Refused(f"f compares numbers with more than {_MOST_OUTCOMES} outcomes; certify takes such an f")
+        _require_few(self.made)
         evaluation = _Tracing(self.doubles, outcomes)
         names = [Enclosed(evaluation, Traced(f"y{i}", self.doubles)) for i in range(self.components)]
         found = enclosed_rates(self.f, Enclosed(evaluation, Traced("t", self.doubles)), names)
@@ -73,7 +72,13 @@ class _Tracing(Evaluation):
         text = difference.text.removeprefix("(").removesuffix(" - 0)") if difference.text.endswith(" - 0)") else ""
         condition = f"{text or difference.text} {'>=' if at_zero else '>'} 0"
         at = len(self.known)
+        _require_few(at)  # in a loop, too, that ends by a comparison
         return self.known.setdefault(condition, self.outcomes[at] if at < len(self.outcomes) else True)
+
+
+def _require_few(outcomes: int) -> None:
+    if outcomes > _MOST_OUTCOMES:
+        raise Refused(f"f compares numbers with more than {_MOST_OUTCOMES} outcomes; certify takes such an f")
 
 
 class Traced:

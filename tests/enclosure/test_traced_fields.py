@@ -91,6 +91,14 @@ def test_outcomes_are_counted():
     assert len(field_of_function(lambda t, y: [np.interp(t, knots, knots**2)], 1).rates) == 1
     with pytest.raises(Refused, match="compares numbers with more than 64 outcomes; certify takes such an f"):
         field_of_function(lambda t, y: [np.interp(t, np.arange(64.0), np.arange(64.0) ** 2)], 1)
+    with pytest.raises(Refused, match="with more than 64 outcomes"):
+        field_of_function(lambda t, y: [wrapped(y[0])], 1)
+
+
+def wrapped(angle):
+    while angle > 1:
+        angle = angle - 2
+    return angle
 
 
 REFUSED = {
