@@ -18,7 +18,7 @@ from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import Evaluation, Refused, size
+from driftproof.enclosure.numbers import TWO_RUNS, Evaluation, Refused, size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.steps import linearised
@@ -270,8 +270,8 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
         except Refused as refusal:
             if "compares" not in str(refusal):
                 raise
-            more = "; if f changes its form there, as friction at rest does, cut there and take the pieces one by one"
-            raise Refused(f"{refusal} at t = {t}{more}", refusal.t) from None
+            more = f"if f changes its form there, as friction at rest does, {TWO_RUNS}"
+            raise Refused(f"{refusal} at t = {t}; {more}", refusal.t) from None
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
         if not allowed.is_finite():

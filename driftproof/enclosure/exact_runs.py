@@ -186,7 +186,7 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
                 f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
                 f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
                 "parameter, digits cut in a file, steps left out (give h), a stage at a jump of f, or SciPy's t_eval"
-                + ending
+                f"{ending}; without a method, the total error is certified"
             )
 
 

@@ -47,6 +47,7 @@ class Refused(ArithmeticError):
 NEEDS_INTEGERS = "f rounds a number to an integer, or takes a remainder"
 # What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
 _ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
+TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
 
 
 def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
@@ -58,10 +59,9 @@ def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if reason.startswith(COMPARES):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        remedy = "certify the points before it and those after it as two runs, each from its own first point"
-        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {remedy}")
+        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
-    return Refused(f"{said}; if f jumps there, cut there and take the pieces one by one")
+    return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
 
 
 # More terms than numbers up to 40 need; wider ranges come from steps that are too long.

@@ -286,7 +286,7 @@ def test_a_run_of_radau_at_a_loose_tolerance_has_its_cause_named_and_another_met
         Refused, match="or SciPy's Radau stopped Newton's method early, as with rtol = 3e-05: take 1e-6"
     ):
         certify(prey, runs["Radau"], method="Radau")
-    with pytest.raises(Refused, match=r"is not one step of radau_iia3.*t_eval$"):
+    with pytest.raises(Refused, match=r"is not one step of radau_iia3.*t_eval; without"):
         certify(prey, runs["RK45"], method="Radau")
     fine = integrate.solve_ivp(prey, (0, 5), [10, 10], method="Radau", rtol=1e-6, atol=1e-6)
     assert certify(prey, fine, method="Radau").split is not None
