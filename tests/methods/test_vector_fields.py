@@ -138,3 +138,8 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
 )
 def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
     assert partial_derivative(rate, "y0") == derivative
+
+
+@pytest.mark.parametrize(("rate", "smooth"), [("sin(y0)", True), ("abs(y0)", False), ("floor(t) + y0", False)])
+def test_a_field_with_a_kink_or_a_jump_is_not_smooth(rate, smooth):
+    assert VectorField((rate,)).smooth is smooth

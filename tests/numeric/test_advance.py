@@ -1,12 +1,15 @@
-"""Time in float runs: N steps of the double nearest to t/N, and the time at which they end."""
+"""Float runs: N steps of the double nearest to t/N, the time at which they end, and rates of floats and of arrays."""
 
 from __future__ import annotations
 
 from fractions import Fraction as Q
 
+import numpy as np
 import pytest
 
-from driftproof.numeric.advance import step_times
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.advance import field_rate, step_times
+from driftproof.numeric.engine import functions_of
 
 U = Q(1, 2**53)
 
@@ -29,3 +32,10 @@ def test_a_step_that_is_no_float_ends_within_a_unit_of_t_and_says_where():
 def test_times_without_a_step_are_refused(t, steps, what):
     with pytest.raises(ValueError, match=what):
         step_times(t, steps)
+
+
+def test_rates_of_arrays_choose_for_each_member():
+    field = VectorField(("y1", "(y0 if y0 > 0 else -1) * floor(t)"))
+    members = np.array([[-0.5, 0.0, 0.75], [1.0, 2.0, 3.0]])
+    found = np.array(field_rate(field, functions_of(np))(2.5, members))
+    assert found.T.tolist() == [field_rate(field)(2.5, member) for member in members.T]
