@@ -204,6 +204,7 @@ class OwnSteps:
 
     @property
     def _words(self) -> str:
+        names = getattr(self.subject.function, "state_names", ("q", "v"))
         if self.size > 2:
             return f"one of {self.size} numbers"
         tiny = self.unit * _NEAR
@@ -215,7 +216,7 @@ class OwnSteps:
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
         if np.abs(rows[:, :2]).max() * self.unit * _ROUGH > 1:  # a jump
             return "another one"
-        text = ", ".join(f"{name}' = {_sum_text(row)}" for name, row in zip("qv", rows.tolist(), strict=True))
+        text = ", ".join(f"{name}' = {_sum_text(row, names)}" for name, row in zip(names, rows.tolist(), strict=True))
         linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
         text += ", a constant force" * (linear and text.startswith("q' = v") and not set(text[11:]) & set("qv"))
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
@@ -306,10 +307,10 @@ def _settled(slopes: Any, before: Any) -> bool:
     return bool(changes.max() <= _ERROR * np.abs(slopes).max())
 
 
-def _sum_text(factors: Sequence[float]) -> str:
-    """The sum of multiples of q, of v and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
+def _sum_text(factors: Sequence[float], names: Sequence[str]) -> str:
+    """The sum of multiples of the names and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
     least, text = 4 * _NEAR * max(map(abs, factors)), ""
-    for x, name in zip(factors, ("q", "v", ""), strict=True):
+    for x, name in zip(factors, (*names, ""), strict=True):
         if abs(x) > least:
             size = f"{abs(x):.6g}"
             part = " ".join(filter(None, [size if size != "1" or not name else "", name]))

@@ -102,6 +102,11 @@ class ForeignStepper(ForeignCode):
         return self._forced(force, t, q, v, h)
 
     @property
+    def reading(self) -> str:
+        """How the arguments of a step are read whose state is told by its values, not by its names; "" of others."""
+        return str(getattr(self.function, "reading", ""))
+
+    @property
     def gives_velocities(self) -> bool:
         """True if the stepper passes velocities to its force."""
         return VELOCITY in self.convention.asks
@@ -109,7 +114,8 @@ class ForeignStepper(ForeignCode):
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
-            raise UnsupportedCall(f"the stepper is called as {self.convention.kind!r}, which takes no right-hand side")
+            kind = f"{self.convention.kind!r}{f' ({self.reading})' if self.reading else ''}"
+            raise UnsupportedCall(f"the stepper is called as {kind}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
         roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
         if CARRIED in self.convention.order:

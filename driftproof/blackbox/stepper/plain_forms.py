@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,10 @@ from driftproof.blackbox.stepper.calling_conventions import (
     conventions_of,
     has_gradient,
     is_acceleration,
+    launch,
+    matrices,
     names_with_step,
+    reading_of,
     required_names,
     role_of,
     size_name,
@@ -82,6 +86,8 @@ _LEFT_THERE = 0.59375
 # A kick that differs by this part is one by another force: of two multistep methods, short kicks differ by less.
 _A_PART = 2.0**-5
 _TRIAL = np.arange(1.0, 7.0)
+# A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
+_MOST_BESIDE_ONE = 2
 
 
 def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -104,11 +110,23 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         held = {*roles.values()} if roles else set()
         if roles is None or not {_SIZE, _OUT, _BODIES, _MASS, _SPACE} & held or STEP not in held:
             continue
+        if held <= {_SIZE, _MASS, STATE, POSITION, VELOCITY, TIME, STEP} and not _is_told(step):
+            numbers = Numbers.of(step)  # an n or an m may be part of the state
+            if numbers and {roles[name] for name in numbers.names} & {_SIZE, _MASS}:
+                yield numbers.form
+                return
         yield from _forms_of(_Call(step, names, roles), held)
-    try:
-        conventions_of(step)
-    except ValueError:
-        yield from _flat_forms(step)
+    if not _is_told(step):
+        if numbers := Numbers.of(step):
+            yield numbers.form
+        yield from _of_one_array(step)
+
+
+def _is_told(step: Callable[..., Any]) -> bool:
+    """True if the names of its arguments tell what each of them is."""
+    with suppress(ValueError):
+        return bool(conventions_of(step))
+    return False
 
 
 def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
@@ -144,29 +162,75 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
         yield lambda y, h: call.solved(None, 0.0, y, h)
 
 
-def _flat_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """Yield the step(y, h), or with t before h, of one that takes and returns its numbers one by one.
+@dataclass(frozen=True)
+class Numbers:
+    """A step that takes and returns the numbers of its state one by one; these are its first arguments, by `names`.
 
-    What it takes besides them, such as a rate, is 1.
+    They are known not by their names, but because a very short step returns them. What it takes besides, as a rate, is
+    1. A step of one number is tried on each of several.
     """
+
+    step: Callable[..., Any]
+    names: tuple[str, ...]
+    others: tuple[str, ...]
+    size: str
+    times: tuple[str, ...]
+
+    @classmethod
+    def of(cls, step: Callable[..., Any]) -> Numbers | None:
+        """The numbers of a step; None if it is not one of numbers.
+
+        >>> Numbers.of(lambda m, p, dt: (m - dt * p, p + dt * m)).names
+        ('m', 'p')
+        """
+        known, size, times = _names_of(step)
+        start = [1 / (i + 2) for i in range(len(known))]
+        if not size or matrices(known) or launch(known):
+            return None
+        with suppress(Exception):
+            end = np.atleast_1d(np.array(cls(step, known, (), size, times)._called(start, 0.0, _SHORT**2), float))
+            fits = end.size > 1 or len(start) <= 1 + _MOST_BESIDE_ONE
+            if fits and 0 < end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
+                return cls(step, known[: end.size], known[end.size :], size, times)
+        return None
+
+    def _called(self, y: Sequence[float], t: float, h: float) -> Foreign:
+        given = dict(zip(self.names, y, strict=True)) | dict.fromkeys(self.others, 1.0)
+        return self.step(**given | {self.size: h} | dict.fromkeys(self.times, t))
+
+    @property
+    def form(self) -> Callable[..., Any]:
+        """The step(y, h) of an array, with t before h if it takes a time."""
+
+        def moved(y: Sequence[float], t: float, h: float) -> Foreign:
+            if len(self.names) == 1:
+                return np.array([float(self._called([x], t, h)) for x in y])
+            return np.array(self._called([*y], t, h), dtype=float)
+
+        return _read_as(moved if self.times else lambda y, h: moved(y, 0.0, h), self.step, self.names)
+
+
+def _of_one_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h) of one whose only argument besides the time and the step size has a name of its own."""
+    known, size, times = _names_of(step)
+    if len(known) == 1 and size and not _functions(known):
+        called: Callable[..., Any] = lambda y, t, h: step(**{known[0]: y, size: h} | dict.fromkeys(times, t))
+        yield _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known)
+
+
+def _read_as(form: Any, step: Callable[..., Any], names: Sequence[str]) -> Callable[..., Any]:
+    """The form of a step with the names of its state, which reports then use."""
+    *_, size, times = _names_of(step)
+    form.state_names = tuple(names) if len(names) > 1 else tuple(f"{names[0]}[{i}]" for i in range(2))
+    form.reading = reading_of({"the state": names, "the time": times, "the step size": [size]}, step)
+    return form  # type: ignore[no-any-return]
+
+
+def _names_of(step: Callable[..., Any]) -> tuple[tuple[str, ...], str, tuple[str, ...]]:
+    """The names of a step's arguments besides the step size and the times, then these; T beside dt is a state."""
     names = names_with_step(step) or []
-    size, times = size_name(names), [each for each in names if role_of(each, (TIME,))]
-    numbers = [each for each in names if each not in (size, *times)]
-
-    def called(y: Sequence[float], t: float, h: float) -> Foreign:
-        given = dict(zip(numbers, y, strict=False)) | {size: h} | dict.fromkeys(times, t)
-        return step(**dict.fromkeys(numbers, 1.0) | given)
-
-    def moved(y: Sequence[float], t: float, h: float) -> Foreign:
-        if len(y) != count:
-            raise ValueError(f"{len(y)} numbers in place of {count}")
-        return np.array(called([*y], t, h), dtype=float)
-
-    with suppress(Exception):
-        start = [1 / (i + 2) for i in range(len(numbers))] if size else []
-        count = len(end := called(start, 0.0, _SHORT**2))
-        if count > 1 and np.allclose(end, start[:count], rtol=0, atol=_SHORT):
-            yield moved if times else lambda y, h: moved(y, 0.0, h)
+    size, times = size_name(names), tuple(each for each in names if each != "T" and role_of(each, (TIME,)))
+    return tuple(each for each in names if each not in (size, *times)), size, times
 
 
 def _pulls_back(call: _Call) -> bool:

@@ -1,0 +1,80 @@
+"""Steps of a built-in system whose arguments are its state, whatever their names: their values tell."""
+
+import math
+
+import pytest
+
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.verify import verify
+
+PAIRS = ("m p", "n p", "x m", "x k", "s k", "z w", "u w", "r n", "x n", "u n", "T c", "c T", "N P", "f g", "e h", "v b")
+
+
+def named(pair, right=True):
+    """A step of forward Euler with these names; if it is not right, the second slope has the new first number."""
+    one, other = pair.split()
+    source = f"def step({one}, {other}, dt):\n    new = {one} + dt * (1 - {one} - 0.5 * {one} * {other})\n"
+    source += f"    return new, {other} + dt * (0.7 * {one if right else 'new'} - 0.3 * {other})"
+    exec(source, known := {})
+    return known["step"]
+
+
+@pytest.mark.parametrize("pair", [*PAIRS, "q w"])
+def test_what_a_short_step_returns_is_the_state_whatever_its_name(pair):
+    found = opened(named(pair))
+    assert found.reading == f"the state: {pair.replace(' ', ', ')}; the step size: dt"
+    assert found.step_state([0.5, 0.75], 0.1) == pytest.approx([0.53125, 0.7625])
+
+
+@pytest.mark.parametrize("pair", ["m p", "r n", "u w", "T c"])
+def test_its_steps_are_judged_on_that_system_which_the_report_names(pair):
+    found = verify(named(pair), "forward_euler", examples=20, isolate=False)
+    assert found.passed is None
+    assert f"is forward_euler on its own system ({_system(pair)} near (0, 0))" in found.verdict
+    assert f"(the state: {pair.replace(' ', ', ')}; the step size: dt)" in found.text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", ["m p", "r n", "u w", "T c"])
+def test_a_second_number_that_is_stepped_with_the_new_first_one_fails(pair):
+    found = verify(named(pair, right=False), "forward_euler", examples=20, isolate=False)
+    assert found.passed is False
+    assert _system(pair) in found.verdict
+
+
+def _system(pair):
+    one, other = pair.split()
+    return f"{one}' = -{one} + 1, {other}' = 0.7 {one} - 0.3 {other}"
+
+
+def level(h, dt):
+    return h + dt * (1 - 0.4 * math.sqrt(abs(h)))
+
+
+def decay(N, h, rate):
+    return N - h * rate * N
+
+
+def decay_twice(N, h):
+    middle = N - 2 * h * N
+    return N - h * middle
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("step", "passed"), [(level, None), (decay, None), (decay_twice, False)])
+def test_a_state_of_one_number_is_read_by_its_value(step, passed):
+    found = verify(step, "forward_euler", examples=20, isolate=False)
+    assert found.passed is passed
+    assert ("on its own system" in found.verdict) is (passed is None)
+    assert f"the state: {'h' if step is level else 'N'};" in found.text()
+
+
+def test_parameters_that_are_not_returned_stay_parameters_and_no_step_notices_the_trial():
+    counted = []
+    step = lambda x, v, dt, k, m, seen=counted: seen.append(dt) or (x + dt * v, v - dt * k / m * x)
+    assert opened(step).convention.extra == {"k": 1.0, "m": 1.0}
+    assert 2.0**-20 not in counted
+    assert [opened(each).reading for each in (lambda y, m, dt: y - dt * y / m, lambda q, v, h: (q + h * v, v))] == [
+        "",
+        "",
+    ]
