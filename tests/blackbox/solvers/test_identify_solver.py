@@ -117,6 +117,12 @@ HELD = {
     ),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
+    "of the other row": (
+        adaptive("heun_euler21_embedded", exponent=0.5),
+        "forward_euler",
+        True,
+        "is forward_euler; remark: controlled by the estimate of heun_euler21, but advances its lower-order row",
+    ),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (
         by_number(adams_bashforth2),
@@ -126,6 +132,13 @@ HELD = {
     ),
     "without an answer": (lambda *_: 7, "rk4", False, "gives no answer"),
 }
+
+
+def test_what_a_right_solver_does_where_f_is_nan_is_a_remark_for_every_command():
+    found = identify_solver(HELD["silent"][0], isolate=False)
+    assert found.data["faults"] == []
+    assert found.data["remarks"][0].startswith("where f becomes NaN")
+    assert "; remark: where f becomes NaN" in found.verdict
 
 
 @pytest.mark.parametrize("name", HELD)
