@@ -114,7 +114,8 @@ def opened(
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
     )
     found = first_of(trials)
-    if calls in (None, calling.MAP) and array is None and (form := _of_more_numbers(step, conventions[0])):
+    doubtful = not found or found.convention.kind == calling.MAP
+    if doubtful and calls in (None, calling.MAP) and array is None and (form := _of_more_numbers(step, conventions[0])):
         return opened(form, None, None, before, after)
     if found and not _stands_still(found):
         alone = (
@@ -124,6 +125,8 @@ def opened(
     lacking = found or isinstance(failures[0].__cause__, ValueError | IndexError)  # of three numbers, or of a grid
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
+    if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
+        systems = first_of([partial(_tried, made(systems.convention, SYSTEMS[1]), _one_step)]) or systems
     if found := systems if systems and not _stands_still(systems) else found:
         return found
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
@@ -154,6 +157,12 @@ def _stands_still(subject: ForeignStepper) -> bool:
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def _moves_one(subject: ForeignStepper) -> bool:
+    """True if a step of a built-in system moves one of its numbers alone."""
+    start = as_array(subject.adapter.write(TRIAL_STATE)).tolist()
+    return int(np.count_nonzero(np.subtract(subject.step_state(start, TRIAL_STEP), start))) == 1
 
 
 def drifts(subject: ForeignStepper) -> bool:

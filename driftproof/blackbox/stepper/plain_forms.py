@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,6 +89,8 @@ _A_PART = 2.0**-5
 _TRIAL = np.arange(1.0, 7.0)
 # A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
 _MOST_BESIDE_ONE = 2
+# An array that is a state may hold so many numbers.
+_NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
 
 
 def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -211,11 +214,27 @@ class Numbers:
 
 
 def _of_one_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """Yield the step(y, h) of one whose only argument besides the time and the step size has a name of its own."""
+    """Yield the step(y, h) of one whose first argument is an array that a very short step leaves nearly as it was.
+
+    What it takes besides, as a control, is 1.
+    """
     known, size, times = _names_of(step)
-    if len(known) == 1 and size and not _functions(known):
-        called: Callable[..., Any] = lambda y, t, h: step(**{known[0]: y, size: h} | dict.fromkeys(times, t))
-        yield _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known)
+    if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or matrices(known) or _functions(known):
+        return
+    others = dict.fromkeys(known[1:], 1.0)
+
+    def called(y: Foreign, t: float, h: float) -> Foreign:
+        moved = copy(y)
+        answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | others)
+        return moved if answer is None else answer
+
+    for count in _NUMBERS_OF_AN_ARRAY:
+        with suppress(Exception):
+            start = np.array([1 / (i + 2) for i in range(count)])
+            near, far = (called(start, 0.0, h) for h in (_SHORT**2, _LONG))
+            if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
+                yield _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known[:1])
+                return
 
 
 def _read_as(form: Any, step: Callable[..., Any], names: Sequence[str]) -> Callable[..., Any]:

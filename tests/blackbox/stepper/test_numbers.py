@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 
@@ -78,3 +80,33 @@ def test_parameters_that_are_not_returned_stay_parameters_and_no_step_notices_th
         "",
         "",
     ]
+
+
+def heated(T, dt):
+    return np.array([T[0], *(T[1:-1] + dt * (T[2:] - 2 * T[1:-1] + T[:-2])), T[-1]])
+
+
+def heated_in_place(T, dt):
+    for i in range(1, len(T) - 1):
+        T[i] += dt * (T[i + 1] - 2 * T[i] + T[i - 1])
+
+
+def driving(pose, vel, omega, dt):
+    return pose + dt * np.array([vel * math.cos(pose[2]), vel * math.sin(pose[2]), omega])
+
+
+def test_an_array_that_a_short_step_hardly_changes_is_the_state_whatever_its_name():
+    assert opened(heated).reading == "the state: T; the step size: dt"
+    assert opened(driving).reading == "the state: pose; the step size: dt; set to 1: vel, omega"
+    found = verify(driving, "forward_euler", examples=20, isolate=False)
+    assert "is forward_euler on its own system (one of 3 numbers)" in found.verdict
+    with pytest.raises(BadInput, match="a step that takes its right-hand side"):
+        opened(lambda pose, vel, omega, dt: pose + 1.0)
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("step", "passed"), [(heated, None), (heated_in_place, False)])
+def test_of_cells_two_are_moved_so_that_one_may_see_what_the_other_became(step, passed):
+    found = verify(step, "forward_euler", examples=20, isolate=False)
+    assert found.passed is passed
+    assert "one of 4 numbers" in found.verdict
