@@ -1,8 +1,9 @@
-"""The progress line of long computations, with the seconds that have passed; elsewhere than on a terminal, one line."""
+"""The progress line of long computations, with the seconds that have passed, on a terminal; in a pipe, one line."""
 
 from __future__ import annotations
 
 import os
+import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -33,10 +34,11 @@ def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> 
 
     Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
     the seconds are shown, after the text that the line already has. If `plain`, a standard error of this process that
-    is no terminal gets one line, after SILENCE, but not in tests and on CI.
+    is a pipe gets one line, after SILENCE, but not in tests and on CI; a file gets none.
     """
     shown = on_terminal(stream)
     said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
+    said = said and stat.S_ISFIFO(os.fstat(sys.stderr.fileno()).st_mode)
     if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return
