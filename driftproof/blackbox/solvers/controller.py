@@ -174,17 +174,18 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
-    remark = "" if steps.pairs else _other_row(law)
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
     elsewhere = _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol, slope)
     others = chain(_accepted_beyond(law), elsewhere)
-    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)), remark)
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)), _other_row(law, steps))
 
 
-def _other_row(law: Law) -> str:
+def _other_row(law: Law, steps: SolverSteps) -> str:
     """Say that the row is advanced that the catalogue does not propagate in the pair whose estimate is in a law."""
-    pair = METHODS[law.estimate.partition(" ")[0]]
-    other = METHODS[pair.key + EMBEDDED_SUFFIX]
+    key = law.estimate.partition(" ")[0]
+    pair, other = (METHODS[key.removesuffix(EMBEDDED_SUFFIX) + row] for row in ("", EMBEDDED_SUFFIX))
+    if steps.pairs and key != other.key:
+        return ""
     row = "lower-order" if other.claimed_order < pair.claimed_order else "other"
     return f"controlled by the estimate of {pair.key}, but advances its {row} row, of order {other.claimed_order}"
 

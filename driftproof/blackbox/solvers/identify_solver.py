@@ -73,9 +73,9 @@ def identify_solver(
     faults, remarks = _faults(steps, controller, runs)
     report = Report(
         runner.target.name,
-        _verdict(steps, controller, runs, faults, remarks),
+        _verdict(steps, controller, runs),
         None,
-        _sections(steps, controller, runs, faults, remarks),
+        _sections(steps, controller, runs),
         {
             "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
@@ -149,7 +149,7 @@ def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[st
     return [each for each in all_of if each not in beside], [*rows, *beside]
 
 
-def _verdict(steps: Outcome, controller: Outcome, runs: Outcome, faults: Sequence[str], remarks: Sequence[str]) -> str:
+def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     if steps.failed and runs.failed:
         word = UNDECIDED if steps.kind in NO_EVIDENCE else NO_ANSWER
         return f"{word}: {steps.seen}"
@@ -166,6 +166,7 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome, faults: Sequenc
     measured = ""
     if control is not None and (control.law or not control.faults):
         measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
+    faults, remarks = _faults(steps, controller, runs)
     return "; ".join([name + measured, *faults]) + "".join(map(_REMARK.format, remarks))
 
 
@@ -175,10 +176,11 @@ def _implicit(runs: Outcome) -> str:
     return "".join(f"; {line}" for line in lines if line.startswith("it solves"))
 
 
-def _sections(steps: Outcome, controller: Outcome, runs: Outcome, faults: Sequence[str], remarks: Sequence[str]) -> Any:
+def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
     unread = steps.kind == NotReadable.kind
+    faults, remarks = _faults(steps, controller, runs)
     unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
         ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),

@@ -38,10 +38,19 @@ def test_one_that_takes_its_start_and_its_end_apart_is_shown_how_to_be_called():
     assert identify_solver(wrapped, isolate=False).section("What to do") is None
 
 
+def of_pairs(f, x0, y0, x_end, n):
+    yield x0, y0
+    for i in range(n):
+        y0 = y0 + (x_end - x0) / n * f(x0 + i * (x_end - x0) / n, y0)
+        yield x0 + (i + 1) * (x_end - x0) / n, y0
+
+
 @pytest.mark.parametrize("solve", [
+    of_pairs,
+    lambda f, t0, y0, t1, n: [*of_pairs(f, t0, y0, t1, n)],
     lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
     lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
-], ids=["two times", "as in Julia"])  # fmt: skip
+], ids=["a generator", "pairs", "two times", "as in Julia"])  # fmt: skip
 def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(solve):
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
@@ -117,12 +126,6 @@ HELD = {
     ),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
-    "of the other row": (
-        adaptive("heun_euler21_embedded", exponent=0.5),
-        "forward_euler",
-        True,
-        "is forward_euler; remark: controlled by the estimate of heun_euler21, but advances its lower-order row",
-    ),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (
         by_number(adams_bashforth2),
