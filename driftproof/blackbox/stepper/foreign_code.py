@@ -270,8 +270,11 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
     if steps > 1 and table.size * 2 == (steps + 1) * size and np.array_equal(table[0].ravel(), start[: size // 2]):
         raise PositionsAlone(f"of {steps} steps it returns {steps + 1} positions and no velocities")
     made = "one step" if steps == 1 else f"{steps} steps"
-    wanted = "two" if steps == 1 else steps + 1
-    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, not {wanted} states")
+    why = f"not {'two' if steps == 1 else steps + 1} states"
+    if table.shape == (steps + 1, size):
+        alike = bool(np.all(table == table[0]))
+        why = "whose rows are all equal, as of one array appended again and again" if alike else "not from the start on"
+    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, {why}")
 
 
 def _states_of_generator(

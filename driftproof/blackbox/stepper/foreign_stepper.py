@@ -25,6 +25,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    reading_of,
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -103,8 +104,17 @@ class ForeignStepper(ForeignCode):
 
     @property
     def reading(self) -> str:
-        """How the arguments of a step are read whose state is told by its values, not by its names; "" of others."""
-        return str(getattr(self.function, "reading", ""))
+        """How the arguments of a step are read, if not by their names alone, or if some are set to 1; "" of others."""
+        found, told = self.convention, str(getattr(self.function, "reading", ""))
+        if told or not found.extra or found.kind != MAP:
+            return told
+        parts: dict[str, tuple[str, ...]] = {
+            "the state": (POSITION, VELOCITY, STATE),
+            "the time": (TIME,),
+            "the step size": (STEP,),
+        }
+        names = found.named(self.function)
+        return reading_of({what: [x for role, x in names if role in of] for what, of in parts.items()}, self.function)
 
     @property
     def gives_velocities(self) -> bool:

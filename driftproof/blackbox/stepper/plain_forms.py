@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -42,20 +42,8 @@ _SIZE, _OUT, _MASS, _BODIES, _SPACE = "size", "out", "mass", "bodies", "space"
 BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
 _NAMES: Mapping[str, Sequence[str]] = {
     _SIZE: (
-        "n",
-        "neq",
-        "nvar",
-        "dim",
-        "ndim",
-        "size",
-        "d",
-        "n_bodies",
-        "nbodies",
-        "num_bodies",
-        "n_particles",
-        "nn",
-        "natoms",
-        "n_atoms",
+        *("n", "neq", "nvar", "dim", "ndim", "size", "d", "n_bodies", "nbodies", "num_bodies", "n_particles", "nn"),
+        *("natoms", "n_atoms"),
     ),
     _MASS: MASSES,
     _BODIES: BODY_LISTS,
@@ -89,6 +77,8 @@ _A_PART = 2.0**-5
 _TRIAL = np.arange(1.0, 7.0)
 # A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
 _MOST_BESIDE_ONE = 2
+# Where arrays may hold cells that move each other, as in a wave, they have so many.
+_CELLS = 4
 # An array that is a state may hold so many numbers.
 _NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
 
@@ -170,7 +160,7 @@ class Numbers:
     """A step that takes and returns the numbers of its state one by one; these are its first arguments, by `names`.
 
     They are known not by their names, but because a very short step returns them. What it takes besides, as a rate, is
-    1. A step of one number is tried on each of several.
+    1. A step of one number is tried on each of several. Each may be an array of `cells` that move each other.
     """
 
     step: Callable[..., Any]
@@ -178,6 +168,7 @@ class Numbers:
     others: tuple[str, ...]
     size: str
     times: tuple[str, ...]
+    cells: int = 1
 
     @classmethod
     def of(cls, step: Callable[..., Any]) -> Numbers | None:
@@ -194,10 +185,21 @@ class Numbers:
             end = np.atleast_1d(np.array(cls(step, known, (), size, times)._called(start, 0.0, _SHORT**2), float))
             fits = end.size > 1 or len(start) <= 1 + _MOST_BESIDE_ONE
             if fits and 0 < end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
-                return cls(step, known[: end.size], known[end.size :], size, times)
+                return cls(step, known[: end.size], known[end.size :], size, times)._of_cells()
         return None
 
-    def _called(self, y: Sequence[float], t: float, h: float) -> Foreign:
+    def _of_cells(self) -> Numbers:
+        """Itself, or with arrays of cells if a change of the first of these is seen in others."""
+        cells = _CELLS - (len(self.names) >= _CELLS)
+        with suppress(Exception):
+            start = 1 / np.arange(2.0, 2 + len(self.names) * cells).reshape(len(self.names), cells)
+            other = start * np.where(np.arange(cells) == 0, 0.5, 1.0)
+            ends, others = (np.array(self._called(y, 0.0, _LONG)).reshape(start.shape) for y in (start, other))
+            if np.any(ends[:, 1:] != others[:, 1:]):
+                return replace(self, cells=cells)
+        return self
+
+    def _called(self, y: Foreign, t: float, h: float) -> Foreign:
         given = dict(zip(self.names, y, strict=True)) | dict.fromkeys(self.others, 1.0)
         return self.step(**given | {self.size: h} | dict.fromkeys(self.times, t))
 
@@ -206,6 +208,9 @@ class Numbers:
         """The step(y, h) of an array, with t before h if it takes a time."""
 
         def moved(y: Sequence[float], t: float, h: float) -> Foreign:
+            if self.cells > 1:
+                rows: Any = np.reshape(y, (len(self.names), self.cells))
+                return np.ravel(self._called(rows, t, h)).astype(float)
             if len(self.names) == 1:
                 return np.array([float(self._called([x], t, h)) for x in y])
             return np.array(self._called([*y], t, h), dtype=float)

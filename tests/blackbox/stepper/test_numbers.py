@@ -76,10 +76,8 @@ def test_parameters_that_are_not_returned_stay_parameters_and_no_step_notices_th
     step = lambda x, v, dt, k, m, seen=counted: seen.append(dt) or (x + dt * v, v - dt * k / m * x)
     assert opened(step).convention.extra == {"k": 1.0, "m": 1.0}
     assert 2.0**-20 not in counted
-    assert [opened(each).reading for each in (lambda y, m, dt: y - dt * y / m, lambda q, v, h: (q + h * v, v))] == [
-        "",
-        "",
-    ]
+    assert opened(lambda y, m, dt: y - dt * y / m).reading == "the state: y; the step size: dt; set to 1: m"
+    assert opened(lambda q, v, h: (q + h * v, v)).reading == ""
 
 
 def heated(T, dt):
@@ -110,3 +108,22 @@ def test_of_cells_two_are_moved_so_that_one_may_see_what_the_other_became(step, 
     found = verify(step, "forward_euler", examples=20, isolate=False)
     assert found.passed is passed
     assert "one of 4 numbers" in found.verdict
+
+
+def wave(first):
+    """Cells on a ring; the second field is moved by the first one before its step, or after it."""
+
+    def step(u, v, dt):
+        bent = lambda u: np.roll(u, 1) - 2 * u + np.roll(u, -1)
+        moved = u + dt * v
+        return moved, v + dt * bent(u if first else moved)
+
+    return step
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("first", "passed"), [(True, None), (False, False)])
+def test_numbers_one_by_one_may_be_arrays_of_cells_that_move_each_other(first, passed):
+    found = verify(wave(first), "forward_euler", examples=20, isolate=False)
+    assert found.passed is passed
+    assert "one of 8 numbers" in found.verdict
