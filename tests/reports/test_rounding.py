@@ -115,6 +115,7 @@ def test_printed_bounds_are_rounded_up():
     assert any(Q(x["exact"]) < decimal(x) for x in numbers)
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("key", ["gill4", "cooper_verner8", "yoshida4", "suzuki4", "mclachlan2"])
 def test_budget_of_an_irrational_method_is_within_its_proved_bound(key):
     answer = budget(key)

@@ -81,6 +81,7 @@ def test_the_limit_seen_is_the_first_h_that_fails_and_what_is_bounded_above_it_i
     assert re.search(r"\nrk4 +h <= 2\*sqrt\(6\)/3 = 1.6329931618... +up to 1.632993162 +oo\n", out)
 
 
+@pytest.mark.slow
 def test_a_factor_that_no_ball_rounds_ends_no_report(monkeypatch, answer, tmp_path):
     """R = (1 - w²)/2 at -1 ± wi is short: 3/8 - 1 is half a unit of two digits; and what is not decided is one cell."""
     (tmp_path / "spiral.toml").write_text('rates = ["y1", "-5/4*y0 - 2*y1"]\nstart = [1, 0]\nend = 10')

@@ -191,6 +191,7 @@ def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
     assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
 
 
+@pytest.mark.slow
 def test_affine_problem_has_the_proofs_of_its_linear_part_and_runs_of_its_own():
     """A control loop to set point 1, and springs about 10^9/4; no phase is measured about c."""
     loop = {"rates": ["y1", "-9*y0 - 3*y1 + 4*y2 + 8", "1 - y0"], "start": [0, 0, 0], "end": 10}

@@ -21,6 +21,7 @@ KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Additive
 LATER = ("ars121", "ars122", "ars233", "ars232", "ars343", "ark324", *KEYS[-2:])
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", [pytest.param(key, marks=[pytest.mark.long] * (key in LATER)) for key in KEYS])
 def test_a_method_passes_as_itself(key):
     report = verify(imex(key), key, isolate=False)
@@ -48,6 +49,7 @@ def test_tables_that_do_not_fit_are_of_lower_order_together():
     assert "of order 1 on f + g, its tables alone have order 2 and 2" in words
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("times", "order"), [([0.0, 0.0, 0.0], 1), (None, 2)])
 def test_the_order_is_that_of_functions_of_t_as_well(times, order):
     """Of stages that are solved at t: where g does not depend on t, the tables alone count."""

@@ -90,6 +90,7 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
     assert words in report.verdict
 
 
+@pytest.mark.slow
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     seen = {None: (True, ": differences of positions"), 0.0: (None, ": those of half a step before"), 0.3: (False, "")}
     for kick, (passed, told) in seen.items():

@@ -104,6 +104,7 @@ def averaged(part):
     return step
 
 
+@pytest.mark.slow
 def test_a_last_stage_that_is_an_average_has_roundings_of_its_own_and_other_faults_beside_them():
     found = verify(averaged(0.5), "heun2", isolate=False)
     assert found.passed

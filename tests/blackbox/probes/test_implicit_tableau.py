@@ -124,6 +124,7 @@ def ending_at_a_slope_of_0(key, node, solver=newton):
 RIGHT_SHORTCUTS = {"backward_euler": 1.0, "implicit_midpoint": 0.5}
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", ["trapezoid", "gauss2", "radau_iia2", *RIGHT_SHORTCUTS])
 def test_a_step_that_ends_where_the_slope_of_one_stage_is_0_is_told(key):
     for node in some(table(key)[2]):
@@ -140,6 +141,7 @@ def to_a_part_of_the_slope(residual, x):
     return x - change
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("solver", [to_a_part_of_the_slope, newton, broyden])
 def test_a_solver_that_stops_by_the_size_of_the_slope_is_not_told_to_skip_stages(solver):
     for key in some(("backward_euler", "trapezoid", "gauss2")):

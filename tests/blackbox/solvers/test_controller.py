@@ -116,6 +116,7 @@ def test_the_law_of_steps_after_a_rejection_is_read_as_well():
     )  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("share", "faults"), [(1.0, 0), (0.01, 1)])
 def test_a_first_step_size_that_is_chosen_hides_no_estimate_of_two_stages(share, faults):
     """As of a pair of two stages in SciPy: the slope for the first step size is asked where the second stage may be."""
@@ -158,6 +159,7 @@ def test_the_textbooks_own_control_is_read_also_where_one_step_alone_is_cut_by_a
     assert ["as if a stage of fehlberg45" in fault for fault in found.faults] == [True] * bool(by)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("key", "exponent", "by", "faults"), [
     ("fehlberg45", 1 / 4, 0.0, 0), ("dormand_prince54", 1 / 5, 0.0, 0), ("bogacki_shampine32", 1 / 3, 0.0, 0),
     ("fehlberg45", 1 / 4, 1 / 2500, 1),
@@ -170,6 +172,7 @@ def test_an_estimate_of_too_low_an_order_is_told_where_no_law_is_seen(key, expon
     assert ["calls of f at a tolerance of 1e-05" in fault for fault in found.faults] == [True] * faults
 
 
+@pytest.mark.slow
 def test_an_error_per_unit_of_time_of_low_order_is_read_and_is_not_said_never_to_end():
     found = read(adaptive("heun_euler21", exponent=1, safety=0.9, per_unit=True))
     assert (found.law.estimate, found.law.exponent) == ("heun_euler21 per unit of time", 1)
@@ -186,6 +189,7 @@ def test_steps_after_rejections_that_are_not_of_the_law_are_said_with_it(name, l
     assert found.words.endswith(f"PI){found.exception}")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("ratio", "is_law"), [(0.5, True), (0.97, False)])
 def test_what_most_step_sizes_contradict_is_no_law(ratio, is_law):
     """After a rejection, the shorter next attempts become by a ratio of their own, the more of them there are."""
@@ -207,6 +211,7 @@ def test_errors_accepted_above_the_tolerance_are_said_and_many_times_it_are_a_fa
     assert [fault.partition(" with ")[0] for fault in found.faults] == ["steps are accepted"] * faults
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("by", "faults"), [(1e-9, 1), (8e-14, 1), (4e-14, 0)])
 def test_a_step_that_ends_elsewhere_is_counted_unless_rounding_explains_it(by, faults):
     def solve(f, t_span, y0, rtol, atol):

@@ -55,6 +55,7 @@ def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("apart", [1e-8, 0.0])
 def test_what_is_not_read_as_a_solver_is_to_be_given_as_a_step(apart):
     """Differences for a Jacobian, as a Rosenbrock method forms them in every step."""
@@ -85,6 +86,7 @@ def test_the_order_of_steps_that_are_shorter_than_their_times_is_the_one_observe
     assert "the time that it integrates over and the time that it returns differ" in report.data["faults"][-1]
 
 
+@pytest.mark.slow
 def test_numbers_that_differ_are_shown_to_differ():
     """Slopes in binary32 inside: the step ends 1e-10 beside the one that the stages read make."""
     narrow = lambda f: lambda t, y: np.float32(f(t, y)).astype(float)
@@ -94,6 +96,7 @@ def test_numbers_that_differ_are_shown_to_differ():
     assert 0 < abs(float(seen) - float(said)) < 1e-8
 
 
+@pytest.mark.slow
 def test_a_run_for_the_step_size_control_that_does_not_end_is_a_fault():
     def solve(f, t_span, y0, rtol, atol):
         while t_span == (0.0, 8.0) and len(y0) == 1:  # that of the bumps
@@ -144,6 +147,7 @@ def test_what_a_right_solver_does_where_f_is_nan_is_a_remark_for_every_command()
     assert "; remark: where f becomes NaN" in found.verdict
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", HELD)
 def test_a_solver_is_held_to_the_method_that_it_should_advance(name):
     solve, method, passed, words = HELD[name]

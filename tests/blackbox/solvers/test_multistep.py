@@ -120,6 +120,7 @@ def test_known_recurrences_have_the_order_they_say_and_the_runs_the_solution_the
 VARYING = {"BDF": {"ndf1", "ndf2", "ndf3", "ndf4", "bdf5"}, "LSODA": {"adams_moulton2", "adams_moulton5"}}
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("method", VARYING)
 def test_the_methods_of_a_solver_of_several_orders_are_told_where_its_steps_are_of_one_length(method):
     memory = read_memory(SolverTarget(of_scipy(method)).open())

@@ -54,6 +54,7 @@ def test_the_stages_of_an_explicit_pair_at_the_end_of_its_step_are_no_difference
     assert [line.split(" its longest")[0] for line in found.seen["Stiffness"]] == ["on y' = -1000 (y - cos t) - sin t"]
 
 
+@pytest.mark.slow
 def test_an_error_per_unit_of_time_that_takes_many_steps_is_not_said_never_to_end():
     found = read(adaptive("heun_euler21", exponent=1, safety=0.9, per_unit=True))
     assert found.seen["Clock"][0].startswith("not seen: after 30000 calls")

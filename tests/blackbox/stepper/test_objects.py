@@ -197,6 +197,7 @@ def test_an_object_that_remembers_is_told_from_one_made_anew():
     assert all(check.holds for check in repeats(opened(renewed)))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("anew", [False, True])
 def test_what_an_object_keeps_is_brought_up_to_date_or_named_and_what_it_forgets_is_no_excuse(anew):
     def judged(cls, **how):

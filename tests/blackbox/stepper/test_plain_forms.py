@@ -274,6 +274,7 @@ def unknown(y, n, h, out, alpha):
     out[:] = y
 
 
+@pytest.mark.slow
 def test_bodies_that_attract_each_other_are_three_in_space():
     found = verify(gravity, "symplectic_euler", isolate=False, examples=30)
     assert found.passed is None
@@ -312,6 +313,7 @@ def planets(typo="vy", after=False, pull=0.0):
     return step
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("step", "passed", "words"),
     [
@@ -380,6 +382,7 @@ def carried_force(pos, vel, F, dt, stale=False):
     return pos, vel - dt / 2 * (before if stale else pos), -pos
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(
     ("step", "method", "words", "wrong"),
     [

@@ -67,6 +67,7 @@ def test_a_weight_wrong_by_1e_13_is_caught_nearly_always_where_a_tolerance_of_1e
     assert caught(wrong, "rk4", lambda *at: (Q(TOLERANCE), Q(TOLERANCE)), *points) == 0
 
 
+@pytest.mark.slow
 def test_the_sharper_bound_catches_even_more_of_a_smaller_error():
     points, wrong = random_checks(2, 100), rk4_weight_off_by(2e-15)
 

@@ -240,6 +240,7 @@ BY_HEADS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
 """
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("table", [BY_COUNTS, BY_HEADS])
 def test_counts_of_steps_and_heads_of_columns_give_the_step_size_and_the_line_above_what_is_read(table):
     suggestions, read = Suggestions(table), [x for x in numbers_in(table) if "e-" in x.text]
