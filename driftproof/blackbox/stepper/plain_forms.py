@@ -179,12 +179,12 @@ class Numbers:
         """
         known, size, times = _names_of(step)
         start = [1 / (i + 2) for i in range(len(known))]
-        if not size or matrices(known) or launch(known):
+        if not size:
             return None
+        least = 1 if len(known) <= 1 + _MOST_BESIDE_ONE and not (matrices(known) or launch(known)) else 2
         with suppress(Exception):
             end = np.atleast_1d(np.array(cls(step, known, (), size, times)._called(start, 0.0, _SHORT**2), float))
-            fits = end.size > 1 or len(start) <= 1 + _MOST_BESIDE_ONE
-            if fits and 0 < end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
+            if least <= end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
                 return cls(step, known[: end.size], known[end.size :], size, times)._of_cells()
         return None
 

@@ -9,7 +9,7 @@ from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 
-PAIRS = ("m p", "n p", "x m", "x k", "s k", "z w", "u w", "r n", "x n", "u n", "T c", "c T", "N P", "f g", "e h", "v b")
+PAIRS = ("m p", "n p", "x m", "x k", "s k", "z w", "u w", "r n", "x n", "u n", "T c", "c T", "N P", "f g", "e h", "A B")
 
 
 def named(pair, right=True):
@@ -21,7 +21,7 @@ def named(pair, right=True):
     return known["step"]
 
 
-@pytest.mark.parametrize("pair", [*PAIRS, "q w"])
+@pytest.mark.parametrize("pair", [*PAIRS, "q w", "v b"])
 def test_what_a_short_step_returns_is_the_state_whatever_its_name(pair):
     found = opened(named(pair))
     assert found.reading == f"the state: {pair.replace(' ', ', ')}; the step size: dt"
