@@ -65,11 +65,11 @@ NOT_ELSEWHERE = "sympy"
 # (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
-    "support": 1278,
+    "support": 1279,
     "methods": 5486,
     "symbolic": 10721,
     "numeric": 4012,
-    "blackbox": 20936,
+    "blackbox": 21193,
     "enclosure": 4353,
     "texts": 9640,
 }

@@ -1,8 +1,9 @@
-"""The progress line of long computations, with the seconds that have passed; elsewhere than on a terminal, one line."""
+"""The progress line of long computations, with the seconds that have passed, on a terminal; in a pipe, one line."""
 
 from __future__ import annotations
 
 import os
+import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -31,12 +32,12 @@ def on_terminal(stream: TextIO | None = None) -> bool:
 def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> Iterator[None]:
     """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
-    Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
-    the seconds are shown, after the text that the line already has. If `plain`, a standard error of this process that
-    is no terminal gets one line, after SILENCE, but not in tests and on CI.
+    Of nested blocks only the outermost shows a line, and without a `name` only the seconds, after the text that it has.
+    If `plain`, a standard error of this process that is a pipe gets one line, after SILENCE, not in tests and on CI.
     """
     shown = on_terminal(stream)
-    said = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
+    own = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
+    said = own and stat.S_ISFIFO(os.fstat(sys.stderr.fileno()).st_mode)
     if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return

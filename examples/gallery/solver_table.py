@@ -56,7 +56,7 @@ def findings(data: Mapping[str, Any]) -> tuple[str, str, str, str]:
     name = f"not read: {refusal}" if steps is None else steps["name"]
     order = "" if steps is None or steps["order"] is None else str(steps["order"])
     law = controller[0].removeprefix("measured: ") if controller else ""
-    return name, order, law, "; ".join(data["faults"])
+    return name, order, law, "; ".join([*data["faults"], *data["remarks"]])
 
 
 def _version(name: str) -> str | None:

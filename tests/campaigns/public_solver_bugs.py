@@ -58,7 +58,7 @@ of_pair, of_dense = partial(of_second, judged_estimate), partial(of_second, judg
 def of_solver(solve: Any) -> Said:
     """What `identify_solver` says of a solver."""
     report = identify_solver(solve, isolate=False)
-    faults = [str(fault) for fault in report.data["faults"]]
+    faults = [str(fault) for fault in (*report.data["faults"], *report.data["remarks"])]
     return Said(report.verdict, [fault for fault in faults if not any(words in fault for words in OF_BOTH)])
 
 

@@ -46,20 +46,24 @@ def test_the_tutorial_quotes_the_line():
     assert quoted.replace("3 s", "0 s") == LINE
 
 
-def test_elsewhere_than_on_a_terminal_a_command_says_one_line_and_a_function_none(tmp_path, monkeypatch):
-    """A pipe's reader sees what is done; a function in a script, or output that a test captures, stays silent."""
+def test_in_a_pipe_a_command_says_one_line_and_a_function_and_a_file_get_none(tmp_path, monkeypatch):
+    """A pipe's reader sees what is done; a file, a function in a script, or what a test captures, stays silent."""
     monkeypatch.setattr(progress, "SILENCE", 0.01)
     monkeypatch.setattr(progress, "_STAGES", [progress.Stage("errors of rk4")])
     said = []
     for plain, own, quiet in ((True, True, set()), (False, True, set()), (True, False, set()), (True, True, {"CI"})):
         monkeypatch.setattr(progress, "QUIET", quiet)
         monkeypatch.setenv("CI", "1")
-        with (tmp_path / "errors").open("w") as file, monkeypatch.context() as patched:
-            patched.setattr(sys, "stderr", file)
-            patched.setattr(sys, "__stderr__", file if own else None)
-            with progress.working("driftproof report", plain=plain), progress.working("a problem"):
-                sleep(0.1)
-        said.append((tmp_path / "errors").read_text())
+        read, write = os.pipe()
+        with os.fdopen(write, "w") as pipe, (tmp_path / "errors").open("w") as file:
+            for stream in (pipe, file):
+                with monkeypatch.context() as patched:
+                    patched.setattr(sys, "stderr", stream)
+                    patched.setattr(sys, "__stderr__", stream if own else None)
+                    with progress.working("driftproof report", plain=plain), progress.working("a problem"):
+                        sleep(0.1)
+        with os.fdopen(read) as reader:
+            said.append(reader.read() + (tmp_path / "errors").read_text())
     assert said == ["driftproof report: errors of rk4\n", "", "", ""]
 
 

@@ -35,6 +35,8 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKu
 _LONGEST, _HALVINGS, _ERROR, _HALF_THE_DIGITS = 2.0**-8, 5, 2.0**-36, 2.0**-26
 # Slopes that agree no better are none of a system, or another system's; the step size at which they are seen first.
 _ROUGH, _FIRST = 2.0**-10, 2.0**-20
+# A state with slopes so many times as large as at the others, as where bodies nearly touch, would make all steps short.
+_STEEP = 64
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
 _NEAR = 2.0**-18
 # Where methods are compared: at times, and at steps in units of the system's own time, long enough to tell methods of
@@ -190,6 +192,8 @@ class OwnSteps:
                 if off > _ROUGH * (1 + hypot(*slopes)):  # as where each step jumps
                     return None
                 seen.append((np.array(y), slopes))
+        sizes = [float(np.linalg.norm(slopes)) for _, slopes in seen]
+        seen = [each for each, size in zip(seen, sizes, strict=True) if size <= _STEEP * sorted(sizes)[len(sizes) // 2]]
         rates = [float(np.linalg.norm(g - f) / np.linalg.norm(z - y)) for (y, f), (z, g) in pairwise(seen)]
         # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.
         turned = np.array([[slopes[1], -slopes[0], *slopes[2:]] for _, slopes in seen])
@@ -204,6 +208,7 @@ class OwnSteps:
 
     @property
     def _words(self) -> str:
+        names = getattr(self.subject.function, "state_names", ("q", "v"))
         if self.size > 2:
             return f"one of {self.size} numbers"
         tiny = self.unit * _NEAR
@@ -215,7 +220,7 @@ class OwnSteps:
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
         if np.abs(rows[:, :2]).max() * self.unit * _ROUGH > 1:  # a jump
             return "another one"
-        text = ", ".join(f"{name}' = {_sum_text(row)}" for name, row in zip("qv", rows.tolist(), strict=True))
+        text = ", ".join(f"{name}' = {_sum_text(row, names)}" for name, row in zip(names, rows.tolist(), strict=True))
         linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
         text += ", a constant force" * (linear and text.startswith("q' = v") and not set(text[11:]) & set("qv"))
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
@@ -271,8 +276,11 @@ class OwnSteps:
             seen = (np.array(self.slopes(t, [*y[:half], *[v] * (half + odd)])) for v in (1.0, -1.0, 2.0))
             up, down, twice = ((each[:half], each[half:]) for each in seen)
             off = [*(up[0] + down[0]), *(twice[0] - 2 * up[0]), *(up[1] - down[1])]
-            if odd or not all(up[0]) or np.abs(off).sum() > _HALF_THE_DIGITS * (1 + np.abs(up).sum()):
+            share = np.abs(off).sum() / (1 + np.abs(up).sum())
+            if odd or not all(up[0]) or share > _ROUGH:
                 raise MethodError("it is not q' = c v, v' = F(q)")
+            if share > _HALF_THE_DIGITS:
+                raise MethodError("rounding leaves open whether it is q' = c v, v' = F(q), or not quite")
             rates = np.where(np.abs(up[0] - 1) < _HALF_THE_DIGITS, 1.0, up[0]).tolist()
             with ctx.workprec(BITS):  # in q and q' = c v, where v is a momentum, say
 
@@ -306,10 +314,10 @@ def _settled(slopes: Any, before: Any) -> bool:
     return bool(changes.max() <= _ERROR * np.abs(slopes).max())
 
 
-def _sum_text(factors: Sequence[float]) -> str:
-    """The sum of multiples of q, of v and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
+def _sum_text(factors: Sequence[float], names: Sequence[str]) -> str:
+    """The sum of multiples of the names and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
     least, text = 4 * _NEAR * max(map(abs, factors)), ""
-    for x, name in zip(factors, ("q", "v", ""), strict=True):
+    for x, name in zip(factors, (*names, ""), strict=True):
         if abs(x) > least:
             size = f"{abs(x):.6g}"
             part = " ".join(filter(None, [size if size != "1" or not name else "", name]))

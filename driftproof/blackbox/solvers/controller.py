@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -18,7 +18,7 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
@@ -118,11 +118,15 @@ class Law:
 
 @dataclass(frozen=True)
 class ControllerReading:
-    """The step size control as measured: its law, if one was found, the evidence as lines, and the faults."""
+    """The step size control as measured: its law, if one was found, the evidence as lines, and the faults.
+
+    The `remark` is on a solver that advances the other row of the pair whose estimate is in the law.
+    """
 
     law: Law | None
     lines: tuple[str, ...]
     faults: tuple[str, ...]
+    remark: str = ""
 
 
 def bumps(t: float, between: float = 0.5) -> float:
@@ -152,7 +156,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         return ControllerReading(None, (fault,), (fault, *traces))
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to determine a law")
-    estimates = list(_estimates(steps))
+    estimates = list(_estimates(steps.pairs or [pair for pair in steps.other_pairs if not _is_silent(pair)]))
     most = max(each.rejections for each in attempts)
     in_a_row = f", up to {most} in a row" * (most > 1)
     rejected = sum(not each.accepted for each in attempts)
@@ -173,7 +177,17 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
     elsewhere = _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol, slope)
     others = chain(_accepted_beyond(law), elsewhere)
-    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)))
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)), _other_row(law, steps))
+
+
+def _other_row(law: Law, steps: SolverSteps) -> str:
+    """Say that the row is advanced that the catalogue does not propagate in the pair whose estimate is in a law."""
+    key = law.estimate.partition(" ")[0]
+    pair, other = (METHODS[key.removesuffix(EMBEDDED_SUFFIX) + row] for row in ("", EMBEDDED_SUFFIX))
+    if steps.pairs and key != other.key:
+        return ""
+    row = "lower-order" if other.claimed_order < pair.claimed_order else "other"
+    return f"controlled by the estimate of {pair.key}, but advances its {row} row, of order {other.claimed_order}"
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:
@@ -273,10 +287,9 @@ def _at(t: float, time: float, h: float) -> bool:
     return isclose(t, time, rel_tol=0.0, abs_tol=_SAME * h)
 
 
-def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
-    """The error estimates of the pairs that were read; DOP853 programs blend those of two."""
-    pairs = {pair.key: pair for pair in steps.pairs}
-    rows = {key: [*map(float, _row(pair))] for key, pair in pairs.items()}
+def _estimates(pairs: Iterable[RungeKutta]) -> Iterator[tuple[str, _Estimate]]:
+    """The error estimates of these pairs; DOP853 programs blend those of two."""
+    rows = {pair.key: [*map(float, _row(pair))] for pair in pairs}
     for key, row in rows.items():
         yield key, partial(_weighed, row)
         yield f"{key} {_PER_UNIT}", lambda k, h, row=row: _weighed(row, k, 1.0)  # type: ignore[misc]

@@ -130,7 +130,7 @@ class ForeignSolver:
         self.before(words)
         by_name = dict(zip(self.names, given.values(), strict=False))
         by_position = () if self.names else given.values()
-        run = lambda: self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name)
+        run = lambda: _listed(self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name))
         return _solution(guarded_call(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
 
 
@@ -157,6 +157,7 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     words = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
     all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
     f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
+    ends[0] = ends[0] or words.pop("x0", "")  # of y' = f(x, y), as books write it
     if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
         return solve
     taken = [f, y0, *([span] if span else ends)]
@@ -206,6 +207,13 @@ def _required(solve: Callable[..., Any]) -> list[str]:
     """The parameters after f, t_span and y0 that have no default."""
     further = list((calling.parameters_of(solve) or {}).values())[3:]
     return [p.name for p in further if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+
+
+def _listed(answer: Any) -> Any:
+    """The times and the states of a generator, or of a list, of pairs (t, y); any other answer as it is."""
+    pairs = [*answer] if hasattr(answer, "__next__") else answer
+    told = isinstance(pairs, list) and all(isinstance(x, tuple) and len(x) == 2 and not np.ndim(x[0]) for x in pairs)
+    return tuple(zip(*pairs, strict=True)) if told else pairs
 
 
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:

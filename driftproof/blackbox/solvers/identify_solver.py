@@ -29,6 +29,8 @@ _WHAT_TO_DO = {
     WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
+_REMARK = "; remark: {}"
+
 
 def identify_solver(
     solve: Callable[..., Any] | str,
@@ -44,9 +46,9 @@ def identify_solver(
     size as h or dt, a number of steps as n or steps, or nothing. The tableau of its steps is read through marked
     answers, up to a few roundings; of multistep methods, the recurrence and the start are read. The step size control
     and runs with known solutions are measured, and the report says so. A test may hold that `report.data["faults"]` is
-    empty. With a `method`, its `passed` is True if the solver advances that and has no fault but where f is NaN, False
-    if it does not or has one, and None if its steps are not read. Raises ValueError if the solver cannot be imported or
-    does not solve y' = 0, and for what is no method.
+    empty; what the solver does where f is NaN is among `report.data["remarks"]`. With a `method`, its `passed` is True
+    if the solver advances that and has no fault, False if it does not or has one, and None if its steps are not read.
+    Raises ValueError if the solver cannot be imported or does not solve y' = 0, and for what is no method.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -68,6 +70,7 @@ def identify_solver(
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
+    faults, remarks = _faults(steps, controller, runs)
     report = Report(
         runner.target.name,
         _verdict(steps, controller, runs),
@@ -77,20 +80,22 @@ def identify_solver(
             "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
-            "faults": list(_faults(steps, controller, runs)),
+            "faults": list(faults),
+            "remarks": list(remarks),
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
-    return report if wanted is None else _held(report, steps.result, wanted, _faults(steps, controller, runs))
+    return report if wanted is None else _held(report, steps.result, wanted, faults, remarks)
 
 
 def _held(
-    report: Report, steps: SolverSteps | SolverMemory | None, method: Method | FactsOnly, faults: Sequence[str]
+    report: Report,
+    steps: SolverSteps | SolverMemory | None,
+    method: Method | FactsOnly,
+    faults: Sequence[str],
+    remarks: Sequence[str],
 ) -> Report:
-    """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
-
-    What it does where f is NaN is no part of a method.
-    """
+    """The report on a solver that should advance this method. Steps of several methods in turn leave that open."""
     if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
         passed = False if report.answered is False else None
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
@@ -101,11 +106,9 @@ def _held(
         same = isinstance(method, Method) and bool(match_method(steps.reading, method).matches)
     if not same:
         return replace(report, verdict=f"is not {method.key}; {report.verdict}", passed=False)
-    of_numbers = [each for each in faults if not each.startswith("where f ")]
-    if of_numbers:
-        return replace(report, verdict=f"is {method.key}, but {'; '.join(of_numbers)}", passed=False)
-    remarks = [f"; remark: {each}" for each in faults]
-    return replace(report, verdict=f"is {method.key}{''.join(remarks)}", passed=True)
+    if faults:
+        return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
+    return replace(report, verdict=f"is {method.key}{''.join(map(_REMARK.format, remarks))}", passed=True)
 
 
 def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
@@ -131,13 +134,19 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
     return read_controller(subject, read_steps(subject))
 
 
-def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
-    """The faults, first those of the step size control, which may be the cause of steps that differ."""
+def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str]]:
+    """The faults, first those of the step size control, which may be the cause of steps that differ; and the remarks.
+
+    What it does where f is NaN, and which row of a pair it advances, is no fault of a method's steps.
+    """
     found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
     lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == "instrument_failed"]
-    return (*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless, *lost)
+    all_of = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless, *lost]
+    beside = [each for each in all_of if each.startswith("where f ")]
+    rows = [controller.result.remark] if controller.result and controller.result.remark else []
+    return [each for each in all_of if each not in beside], [*rows, *beside]
 
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
@@ -157,7 +166,8 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     measured = ""
     if control is not None and (control.law or not control.faults):
         measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
-    return "; ".join([name + measured, *_faults(steps, controller, runs)])
+    faults, remarks = _faults(steps, controller, runs)
+    return "; ".join([name + measured, *faults]) + "".join(map(_REMARK.format, remarks))
 
 
 def _implicit(runs: Outcome) -> str:
@@ -170,6 +180,7 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
     unread = steps.kind == NotReadable.kind
+    faults, remarks = _faults(steps, controller, runs)
     unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
         ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),
@@ -177,6 +188,7 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
         ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
         ("Step size control", [] if controller.result is None else controller.result.lines),
         *found,
-        ("Faults", _faults(steps, controller, runs)),
+        ("Faults", faults),
+        ("Remarks", remarks),
         ("Not answered", without_duplicates(unanswered)),
     )

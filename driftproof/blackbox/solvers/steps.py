@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
-from driftproof.blackbox.matching.match import Identity, match_tableau
+from driftproof.blackbox.matching.estimates import is_pair
+from driftproof.blackbox.matching.match import Identity, match_method, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
@@ -23,7 +24,7 @@ from driftproof.blackbox.probes.stage_solutions import advanced
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32
 
@@ -75,10 +76,19 @@ class SolverSteps:
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
         """The catalogue pairs that propagate these stages, if an attempt makes all the calls that they need."""
-        methods = [METHODS[key] for key in self.identity.keys] if self.adaptive else []
+        return self._called(self.identity.keys)
+
+    @property
+    def other_pairs(self) -> tuple[RungeKutta, ...]:
+        """The catalogue pairs whose other row these stages propagate, if an attempt makes all the calls."""
+        rows = ((pair, METHODS[pair.key + EMBEDDED_SUFFIX]) for pair in self._called(METHODS))
+        return tuple(pair for pair, other in rows if pair.explicit and match_method(self.reading, other).matches)
+
+    def _called(self, keys: Iterable[str]) -> tuple[RungeKutta, ...]:
+        """The pairs among these, if an attempt makes all the calls that they need."""
+        methods = map(METHODS.__getitem__, keys) if self.adaptive else ()
         inner = sum(0 < c < 1 for c in self.nodes)
-        pairs = (m for m in methods if isinstance(m, RungeKutta) and m.b_embedded is not None)
-        return tuple(m for m in pairs if sum(bool(0 < c < 1) for c in m.c) <= inner)
+        return tuple(m for m in methods if is_pair(m) and sum(bool(0 < c < 1) for c in m.c) <= inner)
 
     @property
     def name(self) -> str:

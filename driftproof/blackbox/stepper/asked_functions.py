@@ -20,7 +20,7 @@ from driftproof.blackbox.stepper.function_wrappers import (
 )
 
 # Names of control inputs, which a step hands on to its function; 0 is given where it computes with them as well.
-_INPUTS = ("u", "uk", "u_k", "control", "controls", "ctrl", "action", "input", "inputs", "torque", "thrust")
+CONTROL_INPUTS = ("u", "uk", "u_k", "control", "controls", "ctrl", "action", "input", "inputs", "torque", "thrust")
 # The time and the step size of a trial, by which a time shows among what a function is called with.
 _AT, _LONG = 8.0, 0.25
 
@@ -44,7 +44,7 @@ def asked_step(step: Callable[..., Any]) -> Callable[..., Any] | None:
         counts = [each for each in others if each != function and calling.word_of(each) in calling.COUNTS]
         known |= {each: each for each in counts if kind == calling.FIELD}
         inputs = {each: 1 if each in counts else value for each in names if each not in known}
-        if value is None or inputs.keys() <= {*_INPUTS}:
+        if value is None or inputs.keys() <= {*CONTROL_INPUTS}:
             with suppress(Exception):
                 if found := _asked(step, names, {each: known[each] for each in names if each in known}, inputs, kind):
                     return found

@@ -178,6 +178,11 @@ class CallingConvention:
     uneven: float = 0.0
     momentum: float = 1.0
 
+    def named(self, step: Callable[..., Any]) -> list[tuple[str, str]]:
+        """The role and the name of each argument that is no extra."""
+        names = (name for name in names_with_step(step) or () if name not in self.extra)
+        return [*zip(self.order, self.names or names, strict=False)]
+
     def of_steps(self, steps: int) -> CallingConvention:
         """The same convention for a run of `steps` steps."""
         counts = {name: steps for name in self.extra if word_of(name) in COUNTS}
@@ -219,6 +224,17 @@ def signature_text(step: Callable[..., Any]) -> str:
     names = required_names(step)
     shown = "?" if names is None else ", ".join(names)
     return f"{getattr(step, '__qualname__', type(step).__name__)}({shown})"
+
+
+def reading_of(read: Mapping[str, Iterable[str]], step: Callable[..., Any]) -> str:
+    """How the arguments of a step are read, as far as they are named: the state: m, p; the step size: dt; ...
+
+    >>> reading_of({"the state": ["N"], "the time": [], "the step size": ["h"]}, lambda N, h, k: N)
+    'the state: N; the step size: h; set to 1: k'
+    """
+    held = {name for names in read.values() for name in names}
+    read = {**read, "set to 1": [name for name in required_names(step) or () if name not in held]}
+    return "; ".join(f"{what}: {', '.join(names)}" for what, names in read.items() if [*names])
 
 
 def required_names(step: Callable[..., Any]) -> list[str] | None:

@@ -35,9 +35,15 @@ def function_argument(cls: type) -> str:
 
 def attribute_of(made: Any, role: str) -> str:
     """The public attribute of an object with one of the role's names; "" if there is none."""
-    named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
+    named = {} if inspect.isclass(made) else attributes_of(made)
     found = next((name for name in named if not name.startswith("_") and calling.role_of(name, (role,))), "")
     return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
+
+
+def attributes_of(made: Any) -> dict[str, Any]:
+    """The attributes of an object by name, those in slots as well."""
+    slots = [each for cls in type(made).__mro__ for each in getattr(cls, "__slots__", ()) if hasattr(made, each)]
+    return {each: getattr(made, each) for each in slots} | getattr(made, "__dict__", {})
 
 
 def class_run_wrapper(cls: type) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, PositionsAlone, StepRaised, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.records import clock_of, in_parts, part_pair, parts_of
+from driftproof.blackbox.stepper.records import clock_of, in_parts, part_pair, parts_of, run_parts
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
@@ -260,7 +260,7 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
     """The states of a run and their layout, known or detected: rows, columns, or the end alone. Raises WrongShape."""
     size, table = len(start), _table(answer, len(start))
     if table.ndim == 3 and len(table) == 2 and _is_start(start, table[:, 0].ravel()):  # rows of q, and rows of v
-        table = np.concatenate(table, axis=-1)
+        table = np.concatenate(table, axis=-1).T
     if table.size == size:
         return [table.ravel()], _END
     if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is_start(start, table[0]))):
@@ -270,8 +270,11 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
     if steps > 1 and table.size * 2 == (steps + 1) * size and np.array_equal(table[0].ravel(), start[: size // 2]):
         raise PositionsAlone(f"of {steps} steps it returns {steps + 1} positions and no velocities")
     made = "one step" if steps == 1 else f"{steps} steps"
-    wanted = "two" if steps == 1 else steps + 1
-    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, not {wanted} states")
+    why = f"not {'two' if steps == 1 else steps + 1} states"
+    if table.shape == (steps + 1, size):
+        alike = bool(np.all(table == table[0]))
+        why = "whose rows are all equal, as of one array appended again and again" if alike else "not from the start on"
+    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, {why}")
 
 
 def _states_of_generator(
@@ -298,7 +301,8 @@ def _is_start(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
 
 
 def _table(answer: Any, size: int) -> np.ndarray[Any, Any]:
-    """The states of (ts, ys), (ts, qs, vs) or (qs, vs) as one array, without the times."""
+    """The states of (ts, ys), (ts, qs, vs) or (qs, vs) as one array, without the times; or of these by name."""
+    answer = run_parts(answer)
     parts = list(answer) if isinstance(answer, tuple) else []
     if len(parts) > 1 and np.ndim(parts[0]) == 1 and (len(parts) == size + 1 or np.ndim(parts[1]) == 2):
         answer = parts[1:] if len(parts) > 2 else parts[1]

@@ -25,6 +25,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    reading_of,
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -102,6 +103,20 @@ class ForeignStepper(ForeignCode):
         return self._forced(force, t, q, v, h)
 
     @property
+    def reading(self) -> str:
+        """How the arguments of a step are read, if not by their names alone, or if some are set to 1; "" of others."""
+        found, told = self.convention, str(getattr(self.function, "reading", ""))
+        if told or not found.extra or found.kind != MAP:
+            return told
+        parts: dict[str, tuple[str, ...]] = {
+            "the state": (POSITION, VELOCITY, STATE),
+            "the time": (TIME,),
+            "the step size": (STEP,),
+        }
+        names = found.named(self.function)
+        return reading_of({what: [x for role, x in names if role in of] for what, of in parts.items()}, self.function)
+
+    @property
     def gives_velocities(self) -> bool:
         """True if the stepper passes velocities to its force."""
         return VELOCITY in self.convention.asks
@@ -109,7 +124,8 @@ class ForeignStepper(ForeignCode):
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
-            raise UnsupportedCall(f"the stepper is called as {self.convention.kind!r}, which takes no right-hand side")
+            kind = f"{self.convention.kind!r}{f' ({self.reading})' if self.reading else ''}"
+            raise UnsupportedCall(f"the stepper is called as {kind}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
         roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
         if CARRIED in self.convention.order:

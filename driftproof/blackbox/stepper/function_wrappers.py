@@ -22,6 +22,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     FUNCTION,
     MAP,
     MASSES,
+    MOMENTA,
     POSITION,
     ROLES,
     RUN_ENDS,
@@ -185,7 +186,8 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     for many, count in product((False, True), counts):
         with suppress(Exception):
             values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
-            values["1"] = count
+            values["1"], asked = count, list[Any]()
+            values["f"] = lambda *x, seen=asked: seen.append(x) or 0.0 * max(x, key=np.size)
             found, of_all = step(*[copy(values[given[each]]) for each in names]), "{}"
             if inspect.isgenerator(found):
                 found, of_all = [*found][-1], "[*{}][-1]"
@@ -193,8 +195,12 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             places = [_end_of(found, values[each]) for each in states]
             if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
                 return ""  # what is not known to be a row of times need not be one
-            run = of_all.format(call_by_names(step, names, given))
-            first, *last = ("".join(f"[{i}]" for i in place) for place in places)
+            written = {
+                each: _shifted(text, asked[0]) if text == "f" and not timed else text for each, text in given.items()
+            }
+            head = HEADS[kind] if written != given else head
+            run = of_all.format(call_by_names(step, names, written))
+            first, *last = ("".join(f"[{i!r}]" for i in place) for place in places)
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
             if (rows or counts[1:]) and (count > 1 or _remembers(step, names, given, places[0])):
@@ -204,12 +210,20 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     return ""
 
 
-def _end_of(answer: Any, start: Any) -> list[int]:
-    """The indices of the state at the end in an answer. Raises ValueError if it is not seen.
+def _shifted(function: str, asked: Sequence[Any]) -> str:
+    """The function of a run that begins at its own time 0, as it calls it: later by t, if it gives a time."""
+    taken = {"12": "s, y", "21": "y, s"}.get("".join(str(np.size(x)) for x in asked))
+    return f"lambda {taken}: {function}(t + s, y)" if taken else function
 
-    It is a part that is the start, or the last row of one whose first row is that.
+
+def _end_of(answer: Any, start: Any) -> list[Any]:
+    """The indices, or keys, of the state at the end in an answer. Raises ValueError if it is not seen.
+
+    It is a part that is the start, or the last row of one whose first row is that, or a part of such a row.
     """
-    parts = [*enumerate(answer)] if isinstance(answer, tuple) else []
+    if isinstance(answer, list) and isinstance(answer[0], tuple):
+        return [-1, *_end_of(answer[0], start)]
+    parts = [*enumerate(answer)] if isinstance(answer, tuple) else [*answer.items()] if isinstance(answer, dict) else []
     for place, part in ([], answer), *(([i], each) for i, each in parts):
         with suppress(Exception):
             found = np.asarray(part, float)
@@ -227,7 +241,7 @@ def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[st
         known = {**TRIAL_ARGUMENTS, "f": lambda *x: -max(x, key=np.size), "t": t, "y": y, "1": n, "t + h": t + n / 4}
         span = [0, n] if "1" in given.values() else range(n + 1)
         known |= {"h": n / 4, "[t, t + h]": np.array([t + i / 4 for i in span])}
-        return reduce(getitem, where, step(*[known[given[each]] for each in names]))
+        return np.asarray(reduce(getitem, where, step(*[known[given[each]] for each in names])), float)
 
     start = TRIAL_ARGUMENTS["y"]
     by_one: Any = reduce(lambda y, i: end(i / 4, y, 1), range(_RUN), start)
@@ -419,7 +433,8 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     if kind != FIELD:
         given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
     if kind == MAP and not {"q", "v"} <= {*given.values()}:
-        given = {each: "[q, v]" if text in ("q", "v", "y") else text for each, text in given.items()}
+        speeds = [each for each in given if given[each] == "v" and word_of(each) not in MOMENTA]  # are no state
+        given = {each: "[q, v]" if x in ("q", "v", "y") else x for each, x in given.items() if each not in speeds}
     if kind != FIELD:
         given = {each: "0.0" if text == "t" else text for each, text in given.items()}
     return {each: given[each] for each in names if each in given}

@@ -6,12 +6,13 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from copy import copy
+from copy import copy, deepcopy
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     FORCE,
@@ -33,6 +34,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.class_wrappers import (
     PUSHED,
     attribute_of,
+    attributes_of,
     class_run_wrapper,
     function_argument,
     put_wrapper,
@@ -119,7 +121,7 @@ def _kept_wrapper(cls: type, made: Any, advance: str) -> str:
     """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
     pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
     line = "" if pushed else put_wrapper(cls, made, advance)
-    if line or further_names(cls, advance):
+    if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
         return line
     return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
 
@@ -154,6 +156,7 @@ def further_names(cls: type, advance: str) -> list[str]:
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
     q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
+    q, v = _pushed_pair(made, advance) or (q, v)
     if not (q and v) and (not state or takes_force([function_argument(cls)])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
@@ -164,9 +167,27 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', attribute_of(made, STEP)
-    if size and not any(plain_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
-        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
+    taken = ["h" if plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
+    if size and "h" not in taken:
+        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
+    elif "0.0" in taken:
+        act = f"lambda made, h: made.{advance}({', '.join(taken)})"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
+
+
+def _taken_by(made: Any, advance: str) -> list[str]:
+    """What a method takes besides its object, with a step size that has a default."""
+    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
+
+
+def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
+    """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
+    with suppress(Exception):
+        moved, kept = deepcopy(made), attributes_of(made)
+        getattr(moved, advance)(*[0.25 if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
+        pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
+        return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
+    return None
 
 
 def _class_wrapper(cls: type, own: str | None = None) -> str:

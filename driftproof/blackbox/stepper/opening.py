@@ -29,7 +29,7 @@ from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper, owner_of
-from driftproof.blackbox.stepper.plain_forms import plain_forms
+from driftproof.blackbox.stepper.plain_forms import Numbers, plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS, forms_of
@@ -113,7 +113,11 @@ def opened(
         for adapters in _adapters(step, convention, array)
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
     )
-    if (found := first_of(trials)) and not _stands_still(found):
+    found = first_of(trials)
+    doubtful = not found or found.convention.kind == calling.MAP
+    if doubtful and calls in (None, calling.MAP) and array is None and (form := _of_more_numbers(step, conventions[0])):
+        return opened(form, None, None, before, after)
+    if found and not _stands_still(found):
         alone = (
             found.convention.run if found.single else {*found.convention.extra} & {*calling.MASSES} and drifts(found)
         )
@@ -121,6 +125,8 @@ def opened(
     lacking = found or isinstance(failures[0].__cause__, ValueError | IndexError)  # of three numbers, or of a grid
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
+    if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
+        systems = first_of([partial(_tried, made(systems.convention, SYSTEMS[1]), _one_step)]) or systems
     if found := systems if systems and not _stands_still(systems) else found:
         return found
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
@@ -133,11 +139,30 @@ def opened(
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
 
 
+def _of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
+    """The form of a step that returns, by their values, more of its arguments than those that names make its state.
+
+    Only a step that takes something besides a state is tried, as a copy, so that a step does not notice it.
+    """
+    doubtful = found.kind in (calling.MAGNETIC, calling.ROTATION) or (found.kind == calling.MAP and found.extra)
+    if not doubtful or (copy := fresh_copy(step)) is None or (numbers := Numbers.of(copy)) is None:
+        return None
+    roles = (calling.POSITION, calling.VELOCITY, calling.STATE)
+    states = {name for role, name in found.named(step) if role in roles}
+    return replace(numbers, step=step).form if states < {*numbers.names} else None
+
+
 def _stands_still(subject: ForeignStepper) -> bool:
     """True if the state of a built-in system is where it was after its first step, as both ends of a grid are."""
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def _moves_one(subject: ForeignStepper) -> bool:
+    """True if a step of a built-in system moves one of its numbers alone."""
+    start = as_array(subject.adapter.write(TRIAL_STATE)).tolist()
+    return int(np.count_nonzero(np.subtract(subject.step_state(start, TRIAL_STEP), start))) == 1
 
 
 def drifts(subject: ForeignStepper) -> bool:

@@ -156,11 +156,23 @@ def part_pair(answer: Foreign) -> Foreign:
     parts = parts_of(answer)
     if not parts:
         return answer
-    named = [
-        next((x for name, x in parts.items() if _role(name) == role), None)
-        for role in (calling.POSITION, calling.VELOCITY)
-    ]
-    return list(parts.values()) if any(part is None for part in named) else named
+    return _named_pair(parts) or list(parts.values())
+
+
+def _named_pair(parts: Mapping[str, Foreign]) -> list[Foreign]:
+    """The position and the velocity among named parts; nothing unless both are there."""
+    roles = {_role(str(name)): x for name, x in reversed([*parts.items()])}
+    found = [roles.get(role) for role in (calling.POSITION, calling.VELOCITY)]
+    return [] if any(part is None for part in found) else found
+
+
+def run_parts(answer: Foreign) -> Foreign:
+    """What a run returns by names as (qs, vs), or as (ts, ys); any other answer as it is.
+
+    >>> run_parts({"x": [1.0, 0.5], "v": [0.0, -1.0], "t": [0.0, 0.5]})
+    ([1.0, 0.5], [0.0, -1.0])
+    """
+    return tuple(_named_pair(parts_of(answer))) or in_parts(answer)
 
 
 def clock_of(record: Foreign) -> Foreign:

@@ -232,7 +232,7 @@ RIGHT = {
     "a pendulum": (leapfrog(), "velocity_verlet", "q' = v, v' = -9.81 q near (0, 0)"),
     "implicit": (backward, "backward_euler", "q' = v, v' = -15 q - 0.1 v", SOLVED),
     "three numbers": (lorenz(), "rk4", "one of 3 numbers"),
-    "a grid": (heat(), "forward_euler", "one of 3 numbers"),
+    "a grid": (heat(), "forward_euler", "one of 4 numbers"),
     "three bodies": (galaxy(), "velocity_verlet", "one of 18 numbers"),
     "singular": (attracted, "midpoint2", "another one"),
     "a drag in a splitting": (
@@ -270,7 +270,7 @@ WRONG = {
     "another method": (attracted, "heun2", "where heun2 ends in"),
     "of three numbers": (stepper_of(lambda: Lorenz(2), state="state", advance=moved), "rk4", "where rk4 ends in"),
     "a slope of three numbers": (lorenz(2), "rk4", "one of 3 numbers: a step of"),
-    "a grid": (heat(0.5), "forward_euler", "one of 3 numbers: a step of"),
+    "a grid": (heat(0.5), "forward_euler", "one of 4 numbers: a step of"),
     "three bodies": (galaxy(True), "velocity_verlet", "one of 18 numbers: a step of"),
     "bodies of an object": (bodies(lambda made, acc: made.acc), "velocity_verlet", "of 12 numbers: a step of"),
     "bodies by another method": (bodies(), "symplectic_euler", "of 12 numbers: a step of"),
@@ -314,7 +314,7 @@ def test_a_right_step_with_the_system_as_an_argument_passes():
 @pytest.mark.parametrize(
     ("step", "answered", "words"),
     [
-        (heat(), None, "one of 3 numbers: on it its steps are those of forward_euler"),
+        (heat(), None, "one of 4 numbers: on it its steps are those of forward_euler"),
         (on(hunters), None, "v' = -0.4 v near (0, 0): on it its steps are those of rk4"),
         (bodies(), None, "one of 12 numbers: on it its steps are those of velocity_verlet"),
         (on(lambda t, x, v: (v, -9.81)), None, "a constant force: on it its steps are those of velocity_verlet"),
@@ -323,7 +323,7 @@ def test_a_right_step_with_the_system_as_an_argument_passes():
             None,
             "v' = -q - 0.1 v - 9.81: on it its steps are those of rk4",
         ),
-        (heat(0.5), None, "one of 3 numbers: verify shows more"),
+        (heat(0.5), None, "one of 4 numbers: verify shows more"),
         (galaxy(True), False, "one of 18 numbers, and on it its steps are those of no method"),
     ],
 )
@@ -333,3 +333,20 @@ def test_identify_tells_which_system_is_built_in_and_whose_steps_it_takes_there(
     assert words in report.verdict
     if "those of" in words and answered is None:
         assert f"--method {words.split()[-1]}" in report.section("What to do").lines[0]
+
+
+@pytest.mark.parametrize(("late", "passed"), [(False, None), (True, False)])
+def test_a_place_where_bodies_nearly_touch_does_not_hide_the_system(late, passed):
+    """One of the three states that are looked at has slopes some thousand times those of the others."""
+    force = lambda x: 1e-3 * (2 / abs(x - 0.8) ** 13 - 1 / abs(x - 0.8) ** 7)
+
+    def step(x, v, dt):
+        moved = x + dt * v + dt**2 / 2 * force(x)
+        return moved, v + dt * (force(moved) if late else (force(x) + force(moved)) / 2)
+
+    assert verify(step, "velocity_verlet", examples=20, isolate=False).passed is passed
+
+
+def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
+    step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
+    assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict

@@ -296,3 +296,16 @@ def test_what_is_seen_of_step_sizes_is_said(name, as_before):
         said[0].startswith("measured") and name != "grows after a rejection"
     )
     as_before(*said, asked)
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("key", "exponent", "advances"), [
+    ("cash_karp54_embedded", 0.2, "the estimate of cash_karp54, but advances its lower-order row, of order 4"),
+    ("cash_karp54", 0.2, ""),
+    ("heun_euler21_embedded", 0.5, "the estimate of heun_euler21, but advances its lower-order row, of order 1"),
+])  # fmt: skip
+def test_a_solver_that_advances_the_other_row_than_the_one_it_estimates_is_told_so(key, exponent, advances):
+    subject = ForeignSolver(adaptive(key, exponent=exponent))
+    found = read_controller(subject, read_steps(subject))
+    assert (found.remark, found.faults) == (advances and f"controlled by {advances}", ())
+    assert found.law.exponent == pytest.approx(exponent)

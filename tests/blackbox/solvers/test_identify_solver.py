@@ -38,10 +38,19 @@ def test_one_that_takes_its_start_and_its_end_apart_is_shown_how_to_be_called():
     assert identify_solver(wrapped, isolate=False).section("What to do") is None
 
 
+def of_pairs(f, x0, y0, x_end, n):
+    yield x0, y0
+    for i in range(n):
+        y0 = y0 + (x_end - x0) / n * f(x0 + i * (x_end - x0) / n, y0)
+        yield x0 + (i + 1) * (x_end - x0) / n, y0
+
+
 @pytest.mark.parametrize("solve", [
+    of_pairs,
+    lambda f, t0, y0, t1, n: [*of_pairs(f, t0, y0, t1, n)],
     lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
     lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
-], ids=["two times", "as in Julia"])  # fmt: skip
+], ids=["a generator", "pairs", "two times", "as in Julia"])  # fmt: skip
 def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(solve):
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
@@ -129,6 +138,13 @@ HELD = {
     ),
     "without an answer": (lambda *_: 7, "rk4", False, "gives no answer"),
 }
+
+
+def test_what_a_right_solver_does_where_f_is_nan_is_a_remark_for_every_command():
+    found = identify_solver(HELD["silent"][0], isolate=False)
+    assert found.data["faults"] == []
+    assert found.data["remarks"][0].startswith("where f becomes NaN")
+    assert "; remark: where f becomes NaN" in found.verdict
 
 
 @pytest.mark.slow(keep=3)

@@ -182,6 +182,10 @@ def test_a_run_of_no_fewer_than_eight_steps_is_opened_with_eight():
 def test_a_run_that_is_not_of_one_step_is_refused_in_words():
     with pytest.raises(Misbehaviour, match="not two states"):
         opened(lambda q, v, h, n: [(q, v)] * 3)
+    with pytest.raises(Misbehaviour, match="whose rows are all equal, as of one array appended again and again"):
+        opened(lambda f, y0, ts: [y0 + 0.25 * f(ts[0], y0)] * len(ts))
+    with pytest.raises(Misbehaviour, match=r"shape \(2, 2\), not from the start on"):
+        opened(lambda f, y0, ts: [y0 + 0.25 * n * f(ts[0], y0) for n in (1, 2)])
     with pytest.raises(Misbehaviour, match="ends before it yields a state"):
         opened(lambda q, v, h: iter(()))
 

@@ -78,6 +78,20 @@ def from_zero(f, U_0, dt, T):
         u[n + 1] = u[n] + dt * f(u[n], n * dt)
     return u, np.linspace(0, T, len(u))
 
+def by_name(f, y0, t_end, dt):
+    found = {"t": [0.0], "y": [np.array(y0, float)]}
+    while found["t"][-1] < t_end - 1e-12:
+        found["y"].append(found["y"][-1] + dt * f(found["t"][-1], found["y"][-1]))
+        found["t"].append(found["t"][-1] + dt)
+    return found
+
+def in_pairs(f, x0, y0, x_end, n):
+    h, found = (x_end - x0) / n, [(x0, list(y0))]
+    for i in range(n):
+        y0 = np.array(y0) + h * f(x0 + i * h, y0)
+        found.append((x0 + (i + 1) * h, list(y0)))
+    return found
+
 def euler_cromer(x0, v0, omega, dt, T):
     x, v = np.full(round(T / dt) + 1, x0), np.full(round(T / dt) + 1, v0)
     for n in range(len(x) - 1):
@@ -206,7 +220,9 @@ PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
     "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, ys[-2], ys[-1])"), "stormer2"),
     "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", FORWARD),
-    "from_zero": ("f, y, h", "return from_zero(f, y, h, h)[0][-1]", FORWARD),
+    "from_zero": ("f, t, y, h", "return from_zero(lambda y, s: f(t + s, y), y, h, h)[0][-1]", FORWARD),
+    "by_name": ("f, t, y, h", "return by_name(lambda s, y: f(t + s, y), y, h, h)['y'][-1]", FORWARD),
+    "in_pairs": ("f, t, y, h", "return in_pairs(f, t, y, t + h, 1)[-1][1]", FORWARD),
     "euler_cromer": ("q, v, h", "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]", EULER),
     "separable": (FORCED, "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)", EULER),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),

@@ -477,3 +477,57 @@ def test_an_object_of_two_positions_is_shown_a_run_that_sets_both(name, right):
         opened(names[name])
     exec(str(caught.value).partition("write: ")[2], names)
     assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right
+
+
+PLANAR = """
+class Ball:
+    def __init__(self, x=0.0, y=1.0, vx=1.0, vy=0.0, g=9.81):
+        self.x, self.y, self.vx, self.vy, self.g = x, y, vx, vy, g
+    def update(self, dt):
+        self.vy -= self.g * dt
+        self.x, self.y = self.x + self.vx * dt, self.y + self.vy * dt
+
+class Late(Ball):
+    def update(self, dt):
+        self.x, self.y = self.x + self.vx * dt, self.y + self.vy * dt
+        self.vy -= self.g * dt
+
+class Damped:
+    def __init__(self):
+        self.x, self.dt = [1.0, 0.0], 0.01
+    def step(self, u):
+        x, v = self.x
+        self.x = [x + self.dt * v, v + self.dt * (u - 3 * x - 0.2 * v)]
+
+class Steered:
+    def __init__(self):
+        self.state = (0.0, 0.0, 0.05, 0.0)
+    def step(self, action, h):
+        x, v, a, w = self.state
+        self.state = x + h * v, v + h * (action - a), a + h * w, w + h * (9.8 * a - action * x)
+
+class Slotted:
+    __slots__ = ("f", "t", "y")
+    def __init__(self, f, t, y):
+        self.f, self.t, self.y = f, t, y
+    def __call__(self, h):
+        self.y, self.t = self.y + h * self.f(self.t, self.y), self.t + h
+"""
+
+
+@pytest.mark.parametrize(("name", "method", "shown", "passed"), [
+    ("Ball", "symplectic_euler", 'position="y", velocity="vy"', None),
+    ("Late", "symplectic_euler", 'position="y", velocity="vy"', False),
+    ("Damped", "forward_euler", "(setattr(made, 'dt', h), made.step(0.0))", None),
+    ("Steered", "forward_euler", "lambda made, h: made.step(0.0, h)", None),
+    ("Slotted", "forward_euler", "made(h); return made.y", True),
+])  # fmt: skip
+def test_a_force_on_one_coordinate_a_control_and_slots_are_seen_in_the_wrapper_which_works(name, method, shown, passed):
+    names = namespace(PLANAR)
+    with pytest.raises(BadInput) as caught:
+        opened(names[name])
+    assert shown in str(caught.value)
+    exec(str(caught.value).partition("write: ")[2], names)
+    found = verify(names["wrapped"], method, examples=20, isolate=False)
+    assert found.passed is passed
+    assert ("on its own system" in found.verdict) is (passed is None)

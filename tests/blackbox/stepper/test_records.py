@@ -176,3 +176,25 @@ def test_a_state_and_an_error_by_name_are_read_as_they_are_in_a_tuple(named, sha
         return named(y_new=y_new, err=share * err, nfev=2)
 
     assert said in verify(step, "heun_euler21", examples=30, isolate=False).verdict
+
+
+def verlet_run(acc, x0, v0, dt, steps, stale=False):
+    x, v, a = [x0], [v0], acc(x0)
+    for _ in range(steps):
+        x.append(x[-1] + v[-1] * dt + a * dt**2 / 2)
+        after = acc(x[-1])
+        v.append(v[-1] + (a + after) * dt / 2)
+        a = a if stale else after
+    return x, v
+
+
+@pytest.mark.parametrize("stale", [False, True])
+@pytest.mark.parametrize("names", ["x v t", "t x v", "x v"])
+@pytest.mark.parametrize("rows", [True, False])
+def test_a_run_may_return_its_positions_and_velocities_by_name(names, rows, stale):
+    def run(acc, x0, v0, dt, steps):
+        x, v = verlet_run(acc, x0, v0, dt, steps, stale)
+        found = {"x": x, "v": v, "t": [dt * i for i in range(steps + 1)]}
+        return {name: found[name] if rows else found[name][-1] for name in names.split()}
+
+    assert verify(run, "velocity_verlet", examples=20, isolate=False).passed is (not stale)
