@@ -126,7 +126,9 @@ def groups(text: str, members: list[Member], fences: list[int]) -> Iterator[Grou
                 last.chosen and member.strong
             )
             fenced = bisect_right(fences, last.number.start) != bisect_right(fences, member.number.start)
-            if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
+            # What is perhaps a slip is told from the same number beside it by its place in the phrase.
+            twice = [x for x in group if x.number.text == member.number.text and (x.slips or member.slips)]
+            if not (together and not twice and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group
                 group = []
         group.append(member)

@@ -148,11 +148,11 @@ BDF2 is A-stable, and classical RK4 is not symplectic.
     ("right", "wrong", "said"),
     [
         ("Classical RK4 has", "The 3/8 rule has", "the text names rk38 here, not rk4"),
-        ("| Classical RK4 |", "| The 3/8 rule |", "the text names rk38 here, not rk4"),
+        ("| Classical RK4 |", "| The 3/8 rule |", "'| Classical RK4 | RK4 | 4 | 2.785' occurs nowhere"),
         (
             "| Kutta's third-order method |",
             "| Ralston's third-order method |",
-            "the text names ralston3 here, not kutta3",
+            'third-order method | K3 | 3 | 2.513" occurs',
         ),
         ("= -sin(θ)", "= -2sin(θ)", "\"θ'' = -sin(θ)\" occurs nowhere"),
         ("BDF2 is A", "BDF3 is A", "expected 2, found 3"),
