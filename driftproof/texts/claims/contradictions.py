@@ -73,7 +73,7 @@ TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
 _OF_TUPLE = r"(?<=\w, )\w+\s?=\s?[-0-9.e]+, ?-?[0-9]"
 SETTING = {
-    x: re.compile(rf"(?<![\w.])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
+    x: re.compile(rf"(?<![\w./])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
     for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))
 }
 # The argument of a stability function, as in z = -10, h*lambda = -1.6 and R(-10).

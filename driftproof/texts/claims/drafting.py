@@ -218,7 +218,9 @@ def _claim(
 def _asked_line(document: Document, missed: Missed) -> str:
     """The line of an asked value without a claim: the value, and at most _MOST_PLACES numbers that may mean it."""
     question, answer, slips, vague = missed
-    shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
+    shown = "of which no digit is certain"  # such as log2 of the ratio of two equal errors
+    with suppress(ValueError):
+        shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
     shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")
     places = [f"{x.text} in line {document.position(x.start).line}" for x in (slips or vague)[:_MOST_PLACES]]
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"

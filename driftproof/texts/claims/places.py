@@ -53,6 +53,8 @@ _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the column of an unknown, and of a row whose number is that of a step.
 _HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
+# The head of the solution's column beside those of methods.
+_SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 _HEADS = {
     "h": r"h|dt|δt|step ?size",
@@ -205,6 +207,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
+    if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
+        quantity = "exact"
     if re.search(r"\bdivide[sd]?\b.* by \Z|\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import SETTING, names_limit
+from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import (
     BESIDE,
@@ -119,7 +119,21 @@ class Suggestions(LookAlikes):
                 found |= self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
+        found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _column_kinds(self, number: TextNumber) -> set[str]:
+        """The values of a problem, but for step sizes and times, that all of the number's column look like.
+
+        None if a method heads it, or for one number of more than three digits.
+        """
+        if not self.tables.row_of(number) or methods_named(self.tables.column_of(number)):
+            return set()
+        column = [
+            x for x in self._company[self.tables.column_place(number)] if len(digits_of(x.text, telling=True)) > 3
+        ]
+        kinds = [{without_sizes(x.question) for x in self.look_alikes(one)} for one in column]
+        return set.intersection(*kinds) if number in column and kinds[1:] else set()
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
         """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""

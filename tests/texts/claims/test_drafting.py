@@ -71,6 +71,13 @@ def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_me
     assert "#   0.625000005, 0.625\n" in draft(document_of(""), "a", ["0.625000005"]) + "\n", "a tie"
 
 
+def test_an_asked_value_of_which_no_digit_is_certain_is_listed():
+    """The logarithm of the ratio of two equal errors, which are known by enclosures."""
+    error = "run heun2 y'=-y, y(0)=1, h=1/4, t=1 : error"
+    listed = f"log2(ratio({error}, {error})), of which no digit is certain"
+    assert draft(document_of("is 7.25"), "a", [f"log2(ratio({error}, {error}))"]).endswith(listed)
+
+
 def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits():
     for length, shown in ((150, True), (151, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"

@@ -507,6 +507,37 @@ def test_orders_of_a_list_are_those_of_its_methods(said):
     assert _found(said.format(2, 1)) == [("2", False, ["1"]), ("1", False, ["2"])]
 
 
+COLUMNS = """For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule and Heun's third-order method give
+
+| t | y (3/8) | y (HEAD) |
+|---|---|---|
+| 0.5 | 0.6065309 | 0.6065170 |
+| 1 | 0.3678798 | 0.3678628 |
+| 2 | 0.1353355 | LAST |
+"""
+
+
+@pytest.mark.parametrize(
+    ("head", "last", "slips"),
+    [
+        ("own", "0.1353231", {}),
+        ("own", "0.1353232", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353232": ["0.1353231"]}),
+        ("RK4", "0.1353231", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353231": ["0.1353355"]}),
+        ("Heun 3", "0.1353232", {"0.1353232": ["0.1353231"]}),
+    ],
+)
+def test_a_column_that_no_method_heads_is_the_one_value_that_all_its_numbers_fit(head, last, slips):
+    assert claims_and_slips(COLUMNS.replace("HEAD", head).replace("LAST", last))[1] == slips
+
+
+@pytest.mark.parametrize(("column", "solution"), [("| 3/8 rule ", True), ("", False)])
+def test_the_unknown_as_a_function_of_time_is_the_solution_beside_columns_of_methods(column, solution):
+    text = f"For y' = -y, y(0) = 1 and h = 0.5, Heun:\n\n| t {column}| y(t) |\n|---|---|\n"
+    rows = [f"| 1 | {'0.3680556 | ' * bool(column)}0.3678794 |", f"| 2 | {'0.1354649 | ' * bool(column)}0.1353353 |"]
+    claimed = claims_and_slips(text + "\n".join(rows))[0]
+    assert claimed["0.1353353"].startswith("exact") is solution
+
+
 def test_a_head_with_3_8_in_brackets_names_that_method():
     text = "For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule gives\n\n"
     text += "| t | y (Heun 3) | y (3/8) |\n|---|---|---|\n| 1 | 0.3678628 | {} |"
