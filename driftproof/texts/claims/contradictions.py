@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import product
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
@@ -256,6 +257,9 @@ def _flat(text: str) -> str:
 @cache
 def _names() -> dict[str, set[str]]:
     found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
+    for kind, name in product(("velocity", "position"), ("verlet", "störmer verlet", "stoermer verlet")):
+        forms = (f" ({kind} form)", f" ({kind} version)", f" in {kind} form", f" ({kind})")
+        found |= {name + form: {f"{kind}_verlet"} for form in forms}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
             name = _flat(name.lower())

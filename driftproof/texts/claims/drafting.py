@@ -15,7 +15,7 @@ from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
 from driftproof.texts.claims.contradictions import methods_asked, methods_named
-from driftproof.texts.claims.members import SLIP, Group, Member, groups, uncovered
+from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.properties import Said, properties_in, properties_in_items, properties_in_tables
@@ -99,8 +99,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         at, equation, why = unread
         drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
-    questions = {member.number.start: member.alike[0].question for member in members if member.strong}
-    for *room, group in uncovered([*groups(text, members, fences)], fences, covered):
+    grouped = [of_one_method(group) for group in groups(text, members, fences)]
+    questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
+    for *room, group in uncovered(grouped, fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number

@@ -29,6 +29,7 @@ from driftproof.texts.claims.places import (
     COMPARED,
     Place,
     asked_quantity,
+    asked_settings,
     fact_in_column,
     fact_said,
     leaves_quantity,
@@ -174,7 +175,8 @@ class LookAlikes:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
         cell, methods = self.tables.cell_of(number), self._place_of(number).methods
         own = methods if self._place_of(number).own else frozenset[str]()
-        fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
+        observed = self._place_of(number).quantity == "observed_order"
+        fact = fact_in_column(cell.head) if cell and not observed and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             fact = "angle"
         if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end), own)):
@@ -232,8 +234,21 @@ class LookAlikes:
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
             if table in self._steps and "h" not in place.near:
                 place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
+            if table >= 0 and place.quantity == "observed_order":
+                place = replace(place, of_row=(self._run_of_row(number),))
             self._places[number.start] = place
         return self._places[number.start]
+
+    def _run_of_row(self, number: TextNumber) -> int:
+        """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
+        votes, (table, _) = Counter({1: 1}), self.tables.column_place(number)
+        for x in chain(*(numbers for place, numbers in self._company.items() if place[0] == table)):
+            place = self._named_at(x)
+            for known in self._written(form_of(x)).get(spelled(x), ()) if place.quantity == "observed_order" else ():
+                if place.means(known.question, known.keys):
+                    sizes = asked_settings(known.question)["h"]
+                    votes.update(i for i, size in enumerate(sizes) if size == place.settings["h"])
+        return votes.most_common(1)[0][0]
 
     def _named_at(self, number: TextNumber) -> Place:
         if number.start not in self._named:

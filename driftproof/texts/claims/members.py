@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.checking import Span
+from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.look_alikes import LookAlike
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
@@ -141,3 +142,17 @@ def groups(text: str, members: list[Member], fences: list[int]) -> Iterator[Grou
         group.append(member)
     if group:
         yield group
+
+
+def of_one_method(group: Group) -> Group:
+    """The group, its values of one method if all of them may be, as those of Verlet in either form."""
+    best = [methods_asked(member.alike[0].question) for member in group if member.strong]
+    may_be = [set[str]().union(*(methods_asked(x.question) for x in m.alike if x.strong)) for m in group if m.strong]
+    common = set.intersection(*may_be) if may_be else set()
+    if all(one == best[0] for one in best) or not common:
+        return group
+    kept = {min(common)}
+    return [
+        replace(one, alike=sorted(one.alike, key=lambda x: not (x.strong and methods_asked(x.question) == kept)))
+        for one in group
+    ]

@@ -23,6 +23,7 @@ from driftproof.texts.claims.look_alikes import (
     printed,
     without_sizes,
 )
+from driftproof.texts.claims.places import COMPARED, asked_quantity
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -116,10 +117,19 @@ class Suggestions(LookAlikes):
                 own = form_of(number).spellings(answer) if answer and answer.is_number else []
                 found |= {fact: own[0]} if own and spelled(number) not in own else {}
             elif fact in first:
-                found |= self._misfit(number, {fact: first[fact]})
+                of_others = any(one.question.partition(" ")[0] == fact.partition(" ")[0] for one in alike)
+                of_others &= digits > 1 and first[fact].lstrip("-") != spelled(number).lstrip(
+                    "-"
+                )  # no other convention
+                found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
+        unit = 2 * Fraction(1, 10 ** (number.places or 0))  # ratios of errors that are printed in few digits
+        compared = {
+            x for x in found if asked_quantity(x)[0] in COMPARED and abs(number.value - Fraction(found[x])) <= unit
+        }
+        found = {question: slip for question, slip in found.items() if question not in compared}
         return {question: slip for question, slip in found.items() if question in meant} or found
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
@@ -144,7 +154,9 @@ class Suggestions(LookAlikes):
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
         if not found and digits > 3:
-            part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
+            place = self._place_of(number)
+            is_part = place.unknown or re.fullmatch("k[0-9]", place.quantity or "")
+            part = " : " if is_part else "\n"  # another unknown or slope of the same run?
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
             of = {x: without_sizes(x) for x in named if sure or " h=" in x}
             found = {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * sure} & others - {""}}

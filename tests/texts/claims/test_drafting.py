@@ -176,6 +176,20 @@ def test_a_drafted_claim_holds_the_method_the_equation_and_the_property_that_the
     assert all(said in message for message in found), found
 
 
+@pytest.mark.parametrize(
+    ("name", "v", "method"),
+    [
+        ("Verlet", "0.075179", "velocity_verlet"),
+        ("Störmer-Verlet (velocity form)", "0.075179", "velocity_verlet"),
+        ("Störmer-Verlet in position form", "0.075000", "position_verlet"),
+    ],
+)
+def test_neighbours_are_values_of_one_method_though_its_name_may_mean_two(name, v, method):
+    text = f"For x'' = x - x^3, x(0) = 0.5, x'(0) = 0, h = 0.2 one step of {name} gives x = 0.507500 and v = {v}."
+    drafted = draft(document_of(text, "plain"), "a")
+    assert re.findall(r"ask = \"run (\w+) ", drafted) == [method] * 2
+
+
 def test_a_property_with_a_number_beside_it_is_a_claim_that_can_be_checked():
     document = document_of("RK4, of order 4, is not symplectic.", "plain")
     assert held(document, drafted := draft(document, "a"))["value"] == 1
