@@ -16,7 +16,7 @@ from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import lowered
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
-from driftproof.texts.claims.tables import Address, TextTables
+from driftproof.texts.claims.tables import Address, tables_of
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -58,20 +58,17 @@ class CheckedClaim:
 
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
     """Check every claim against the text. Raises ValueError if a claim has no value."""
-    found, tables = list[CheckedClaim](), TextTables(document.text.text)
-    found += [check_claim(document, claim, claim.spellings(), tables=tables) for claim in claims]
+    found = [check_claim(document, claim, claim.spellings()) for claim in claims]
     held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
     return [
-        check_claim(document, one.claim, one.claim.spellings(), held, tables)
-        if one.findings
-        else replace(one, findings=untrue)
-        for one, untrue in zip(found, _untrue(document, found, tables), strict=True)
+        check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
+        for one, untrue in zip(found, _untrue(document, found), strict=True)
     ]
 
 
-def _untrue(document: Document, checked: Iterable[CheckedClaim], tables: TextTables) -> Iterator[tuple[Finding, ...]]:
+def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tuple[Finding, ...]]:
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
-    text = document.text.text
+    text, tables = document.text.text, tables_of(document.text.text)
     lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
     for one in checked:
         claim, findings = one.claim, list[Finding]()
@@ -90,37 +87,30 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim], tables: TextTab
         yield tuple(findings[:_MOST_FINDINGS])
 
 
-def check_claim(
-    document: Document,
-    claim: Claim,
-    spellings: Spellings,
-    held: Set[int] = frozenset(),
-    tables: TextTables | None = None,
-) -> CheckedClaim:
+def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
-    text, tables = document.text.text, tables or TextTables(document.text.text)
-    found = _at_address(claim, tables, claim.phrase.exact(spellings, claim.ignore_case).finditer(text))
+    found = _at_address(document, claim, claim.phrase.exact(spellings, claim.ignore_case))
     more = len(found) > claim.count
-    wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held, tables)
+    wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
     return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
 
 
-def _at_address(claim: Claim, tables: TextTables, matches: Iterable[re.Match[str]]) -> list[re.Match[str]]:
-    """The matches whose first number stands in the row and the column that the claim names."""
-
-    def start(match: re.Match[str]) -> int:
-        if match.re.groups and not match[0]:  # a lookahead, each number a group
-            return match.start(1)
-        return match.start() + next((x.start for x in numbers_in(match[0]) if x.label is None), 0)
-
-    return [one for one in matches if not any(claim.address) or tables.stands_at(claim.address, start(one))]
+def _at_address(
+    document: Document, claim: Claim, pattern: re.Pattern[str], most: int | None = None
+) -> list[re.Match[str]]:
+    """The matches, of the first `most`, whose first number stands in the row and the column that the claim names."""
+    found, tables = [*islice(pattern.finditer(document.text.text), most)], tables_of(document.text.text)
+    if not any(claim.address):
+        return found
+    first = [next((x.start for x in numbers_in(one[0]) if x.label is None), 0) for one in found]
+    starts = [one.start() + at if one[0] else one.start(1) for one, at in zip(found, first, strict=True)]  # a lookahead
+    return [one for one, start in zip(found, starts, strict=True) if tables.stands_at(claim.address, start)]
 
 
 def places_of(document: Document, claim: Claim, number: str) -> list[int]:
     """The places where the phrase of a claim without values has this number, whatever its others are."""
     shape, numbers = claim.phrase.shape({})
-    shape = re.compile(f"(?={shape.pattern})", shape.flags)
-    found = _at_address(claim, TextTables(document.text.text), shape.finditer(document.text.text))
+    found = _at_address(document, claim, re.compile(f"(?={shape.pattern})", shape.flags))
     return [one.start(i) for one in found for i, x in enumerate(numbers, 1) if x == one[i] == number]
 
 
@@ -135,12 +125,7 @@ def _surplus(document: Document, claim: Claim, occurrences: list[re.Match[str]])
 
 
 def _missing(
-    document: Document,
-    claim: Claim,
-    spellings: Spellings,
-    occurrences: list[re.Match[str]],
-    held: Set[int],
-    tables: TextTables,
+    document: Document, claim: Claim, spellings: Spellings, occurrences: list[re.Match[str]], held: Set[int]
 ) -> Iterator[Finding]:
     """One finding for each missing occurrence: where few numbers are wrong, no claim holds, and they are most alike."""
 
@@ -154,7 +139,7 @@ def _missing(
     for names in (True, False):  # second, names such as RK4 may have another number
         shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
-        found = _at_address(claim, tables, islice(shape.finditer(document.text.text), _MOST_COMPARED))
+        found = _at_address(document, claim, shape, _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
         near.sort(key=distance)
         if near:
@@ -165,11 +150,8 @@ def _missing(
     written = claim.phrase.written(spellings)
     there = "".join(f", {x} {said!r}" for x, said in zip(Address._fields, claim.address, strict=True) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
-    capitals = (
-        None
-        if claim.ignore_case or any(claim.address)
-        else claim.phrase.shape(spellings, True)[0].search(document.text.text)
-    )
+    exactly = claim.ignore_case or any(claim.address)
+    capitals = None if exactly else claim.phrase.shape(spellings, True)[0].search(document.text.text)
     if capitals:
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals; ignore_case = true allows that"

@@ -73,8 +73,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     be more claims than a file may have, and for a question without an answer.
     """
     text = document.text.text
-    suggestions = Suggestions(text, asked)
-    search = PhraseSearch(text, suggestions.tables)
+    suggestions, search = Suggestions(text, asked), PhraseSearch(text)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
     counted, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
     members = [Member.of(number, suggestions, text, equations, letters) for number in counted]

@@ -37,7 +37,7 @@ from driftproof.texts.claims.places import (
 )
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
 from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
-from driftproof.texts.claims.tables import TextTables
+from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.errors import QuestionError
@@ -110,7 +110,7 @@ class LookAlikes:
         self._meant: dict[int, list[KnownValue]] = {}
         self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
-        self.tables = TextTables(text)
+        self.tables = tables_of(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
         calculations = self.calculated.values()
         self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}

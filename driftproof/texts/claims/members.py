@@ -146,13 +146,10 @@ def groups(text: str, members: list[Member], fences: list[int]) -> Iterator[Grou
 
 def of_one_method(group: Group) -> Group:
     """The group, its values of one method if all of them may be, as those of Verlet in either form."""
-    best = [methods_asked(member.alike[0].question) for member in group if member.strong]
-    may_be = [set[str]().union(*(methods_asked(x.question) for x in m.alike if x.strong)) for m in group if m.strong]
-    common = set.intersection(*may_be) if may_be else set()
-    if all(one == best[0] for one in best) or not common:
+    may_be = [[methods_asked(x.question) for x in one.alike if x.strong] for one in group if one.strong]
+    common = [keys for keys in may_be[0] if all(keys in each for each in may_be)] if may_be else []
+    if not common or all(each[0] == may_be[0][0] for each in may_be):
         return group
-    kept = {min(common)}
     return [
-        replace(one, alike=sorted(one.alike, key=lambda x: not (x.strong and methods_asked(x.question) == kept)))
-        for one in group
+        replace(one, alike=sorted(one.alike, key=lambda x: methods_asked(x.question) != common[0])) for one in group
     ]

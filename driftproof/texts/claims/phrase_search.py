@@ -7,7 +7,7 @@ import re
 from driftproof.texts.claims.contradictions import begins_with_method, methods_named
 from driftproof.texts.claims.members import Group
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
-from driftproof.texts.claims.tables import ANYWHERE, Address, TextTables
+from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
 from driftproof.texts.readers.numbers import numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
@@ -21,8 +21,8 @@ _BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 class PhraseSearch:
     """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
 
-    def __init__(self, text: str, tables: TextTables) -> None:
-        self.tables = tables
+    def __init__(self, text: str) -> None:
+        self.tables = tables_of(text)
         self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
         self._starts: dict[str, list[int]] = {}
         for number in self.numbers:

@@ -26,6 +26,7 @@ from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
 # Words for the logarithm of the ratio of two errors.
 OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
+# The head of a column of observed orders, beside step sizes.
 ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
@@ -223,7 +224,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
-    if is_order_of_column(head) and "." in text[start:end] and any(is_head_of("h", cell.head) for cell in row):
+    if (
+        re.fullmatch(ORDER_OF_COLUMN, head)
+        and "." in text[start:end]
+        and any(is_head_of("h", cell.head) for cell in row)
+    ):
         quantity = "observed_order"
     if is_head_of("".join(_HEADS), head):
         quantity = "chosen"
@@ -326,11 +331,6 @@ def leaves_quantity(head: str) -> bool:
     """True if the head of a column names a method or a step size, so that what is read stands above the table."""
     named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
     return bool(named) and not _QUANTITY.search(head)
-
-
-def is_order_of_column(head: str) -> bool:
-    """True if the head of a column, in lower case, may be that of observed orders, where the rows are step sizes."""
-    return re.fullmatch(ORDER_OF_COLUMN, head) is not None
 
 
 def is_head_of(settings: str, head: str) -> bool:

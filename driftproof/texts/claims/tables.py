@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import dropwhile, pairwise, takewhile
 from typing import NamedTuple
 
@@ -38,6 +39,12 @@ class Address(NamedTuple):
 
 
 ANYWHERE = Address()
+
+
+@lru_cache(maxsize=4)
+def tables_of(text: str) -> TextTables:
+    """The tables of a text, read once."""
+    return TextTables(text)
 
 
 class TextTables:
