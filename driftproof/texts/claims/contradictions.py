@@ -58,7 +58,7 @@ _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
 _NUMBER = (
     r"(?<![\w.^])[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?(?:e[-+]?[0-9]+|(?: ?[×·] ?10\^\{?-?[0-9]+\}?))?(?![\w.]*\w)%?"
 )
-_JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or) )"
+_JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or|/) )"
 _SETTINGS = re.compile(rf"\b\w+ ?= ?{_NUMBER}")
 _NO_SUBJECT = re.compile(
     r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
@@ -208,7 +208,7 @@ def methods_said_of(before: str, after: str) -> set[str]:
             left, right = (spoken_names().sub("", part) for part in (between + left, after))
         else:
             compared = lists and _NO_SUBJECT.search(before[: lists[-1].start()])
-            ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between)) or len(between) > _LONGEST_GAP
+            ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between.lstrip(":"))) or len(between) > _LONGEST_GAP
             if ends or (len(listed) == 1 and ("," in between or compared)):
                 return set()
     at, more = (len(re.findall(_NUMBER, part)) for part in (left, right))
@@ -276,7 +276,7 @@ def _names() -> dict[str, set[str]]:
 def _lists_of_methods() -> re.Pattern[str]:
     """One method, or several that are joined, as in "A, B and C"."""
     return re.compile(
-        rf"{_METHOD}(?:(?:,|,? (?:and|or)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
+        rf"{_METHOD}(?:(?:,|,? (?:and|or|/)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
     )
 
 
@@ -285,7 +285,7 @@ def _methods_behind() -> re.Pattern[str]:
     """Methods right behind the number that is theirs: "for A and B", or "(A)" and nothing else in the brackets."""
     methods = _lists_of_methods().pattern
     return re.compile(
-        rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?\((?:the |with |by |for )?{methods}[),;])"
+        rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?[(\[](?:the |with |by |for )?{methods}[\]),;])"
     )
 
 

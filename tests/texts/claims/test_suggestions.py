@@ -482,6 +482,8 @@ BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at 
     [
         "* {} for velocity Verlet, {} for symplectic Euler.",
         "* {} (velocity Verlet) and {} (symplectic Euler).",
+        "* {} [velocity Verlet] and {} [symplectic Euler].",
+        "* Velocity Verlet / symplectic Euler: {} / {}",
         "* The errors of velocity Verlet and symplectic Euler are {} and {}.",
         "* Velocity Verlet is off by {}, symplectic Euler by {}.",
     ],
