@@ -32,6 +32,7 @@ from driftproof.texts.claims.places import (
     asked_settings,
     fact_in_column,
     fact_said,
+    is_head_of,
     leaves_quantity,
     place_of,
 )
@@ -234,7 +235,8 @@ class LookAlikes:
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
             if table in self._steps and "h" not in place.near:
                 place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
-            if table >= 0 and place.quantity == "observed_order":
+            rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
+            if rows_of_steps and place.quantity == "observed_order":
                 place = replace(place, of_row=(self._run_of_row(number),))
             self._places[number.start] = place
         return self._places[number.start]

@@ -118,9 +118,8 @@ class Suggestions(LookAlikes):
                 found |= {fact: own[0]} if own and spelled(number) not in own else {}
             elif fact in first:
                 of_others = any(one.question.partition(" ")[0] == fact.partition(" ")[0] for one in alike)
-                of_others &= digits > 1 and first[fact].lstrip("-") != spelled(number).lstrip(
-                    "-"
-                )  # no other convention
+                negated = first[fact].lstrip("-") == spelled(number).lstrip("-")  # a convention of the text
+                of_others &= digits > 1 and not negated
                 found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)

@@ -566,6 +566,15 @@ def test_a_column_order_beside_step_sizes_has_observed_orders_of_two_rows_each(o
     assert all(claimed[x].startswith("log2(") for x in orders if x not in {"--", "2.098", *slips})
 
 
+def test_observed_orders_in_rows_of_methods_are_of_the_step_sizes_that_the_text_may_mean():
+    rows = "| method | h = 0.1 | h = 0.05 | observed order |\n|---|---|---|---|\n"
+    rows += "| trapezoidal rule | 7.01e-03 | 1.67e-03 | 2.02 |\n| implicit midpoint | 2.68e-03 | 6.61e-04 | 2.00 |\n"
+    text = f"For y' = -y^3, y(0) = 2, errors at t = 1:\n\n{rows}\nThe order compares h = 0.05 with h = 0.025."
+    claimed, slips = claims_and_slips(text)
+    assert claimed["2.02"].startswith("log2(ratio(run trapezoid")
+    assert slips == {}
+
+
 def test_a_column_of_energy_changes_is_read_by_its_sign_for_them():
     text = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0, energy E = v^2/2 - x^2/2 + x^4/4, v = x'. With h = 0.2:"
     text += "\n\n| method | t | E | ΔE |\n|---|---|---|---|\n| explicit Euler | 4 | 0.41007 | {} |"
