@@ -117,18 +117,15 @@ class Suggestions(LookAlikes):
                 own = form_of(number).spellings(answer) if answer and answer.is_number else []
                 found |= {fact: own[0]} if own and spelled(number) not in own else {}
             elif fact in first:
-                of_others = any(one.question.partition(" ")[0] == fact.partition(" ")[0] for one in alike)
-                negated = first[fact].lstrip("-") == spelled(number).lstrip("-")  # a convention of the text
-                of_others &= digits > 1 and not negated
+                of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
+                of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
                 found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
-        unit = 2 * Fraction(1, 10 ** (number.places or 0))  # ratios of errors that are printed in few digits
-        compared = {
-            x for x in found if asked_quantity(x)[0] in COMPARED and abs(number.value - Fraction(found[x])) <= unit
-        }
-        found = {question: slip for question, slip in found.items() if question not in compared}
+        least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
+        near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
+        found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
