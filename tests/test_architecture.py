@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4012,
     "blackbox": 21193,
     "enclosure": 4353,
-    "texts": 9640,
+    "texts": 9865,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5900
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -16,7 +16,7 @@ from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import lowered
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
-from driftproof.texts.claims.tables import TextTables
+from driftproof.texts.claims.tables import Address, tables_of
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -68,7 +68,7 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
 
 def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tuple[Finding, ...]]:
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
-    text, tables = document.text.text, TextTables(document.text.text)
+    text, tables = document.text.text, tables_of(document.text.text)
     lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
     for one in checked:
         claim, findings = one.claim, list[Finding]()
@@ -89,10 +89,29 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
-    found = [*claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)]
+    found = _at_address(document, claim, claim.phrase.exact(spellings, claim.ignore_case))
     more = len(found) > claim.count
     wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
     return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
+
+
+def _at_address(
+    document: Document, claim: Claim, pattern: re.Pattern[str], most: int | None = None
+) -> list[re.Match[str]]:
+    """The matches, of the first `most`, whose first number stands in the row and the column that the claim names."""
+    found, tables = [*islice(pattern.finditer(document.text.text), most)], tables_of(document.text.text)
+    if not any(claim.address):
+        return found
+    first = [next((x.start for x in numbers_in(one[0]) if x.label is None), 0) for one in found]
+    starts = [one.start() + at if one[0] else one.start(1) for one, at in zip(found, first, strict=True)]  # a lookahead
+    return [one for one, start in zip(found, starts, strict=True) if tables.stands_at(claim.address, start)]
+
+
+def places_of(document: Document, claim: Claim, number: str) -> list[int]:
+    """The places where the phrase of a claim without values has this number, whatever its others are."""
+    shape, numbers = claim.phrase.shape({})
+    found = _at_address(document, claim, re.compile(f"(?={shape.pattern})", shape.flags))
+    return [one.start(i) for one in found for i, x in enumerate(numbers, 1) if x == one[i] == number]
 
 
 def _times(count: int) -> str:
@@ -120,7 +139,7 @@ def _missing(
     for names in (True, False):  # second, names such as RK4 may have another number
         shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
-        found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
+        found = _at_address(document, claim, shape, _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
         near.sort(key=distance)
         if near:
@@ -129,13 +148,15 @@ def _missing(
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
-    message = f"{written!r} occurs {often} in the text; expected {_times(claim.count)}"
-    capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True)[0].search(document.text.text)
+    there = "".join(f", {x} {said!r}" for x, said in zip(Address._fields, claim.address, strict=True) if said)
+    message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
+    exactly = claim.ignore_case or any(claim.address)
+    capitals = None if exactly else claim.phrase.shape(spellings, True)[0].search(document.text.text)
     if capitals:
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
     else:
-        place, shown = _beginning(document, written)
+        place, shown = _beginning(document, claim.address.row or written)
         message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
 

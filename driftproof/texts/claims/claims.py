@@ -16,6 +16,7 @@ from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
 from driftproof.texts.claims.formulas import same_formula
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
+from driftproof.texts.claims.tables import ANYWHERE, Address
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
@@ -27,6 +28,7 @@ MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
 _FORM = ("places", "digits", "exact", "rounding", "spelled")
+_ELSEWHERE = (*Address._fields, *_FORM)
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,9 @@ class Expected:
 class Claim:
     """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given.
 
-    The text names the `methods` where the values stand, or one where the first stands. A phrase without values may say
-    a `fact`, a question with its answer, such as yes.
+    The text names the `methods` where the values stand, or one where the first stands. The first number of the phrase
+    stands at the `address` in a table. A phrase without values may say a `fact`, a question with its answer, such as
+    yes.
     """
 
     id: str
@@ -70,6 +73,7 @@ class Claim:
     ignore_case: bool
     methods: tuple[str, ...] = ()
     fact: tuple[str, str] | None = None
+    address: Address = ANYWHERE
 
     def spellings(self) -> dict[str, list[str]]:
         """All accepted spellings of each value. Raises ValueError, with a line that names the claim."""
@@ -151,7 +155,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
     with refused_in(f"claim {key!r}"):
         toml.require_keys(
             entry,
-            ("id", "phrase", "value", "values", "answer", "count", "given", "ignore_case", "method", *_FORM),
+            ("id", "phrase", "value", "values", "answer", "count", "given", "ignore_case", "method", *_ELSEWHERE),
             "a claim",
         )
         phrase, given = _phrase(entry), entry.get("given")
@@ -174,7 +178,10 @@ def _claim(entry: TomlTable, number: int) -> Claim:
             )
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
-        return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case, tuple(methods), fact)
+        given = "given" if given is True else given
+        lines = (toml.as_line(entry[x], x, LONGEST_PHRASE) if x in entry else "" for x in Address._fields)
+        address = Address(*map(canonical_text, lines))
+        return Claim(key, phrase, values, count, given, ignore_case, tuple(methods), fact, address)
 
 
 def _fact(entry: TomlTable, phrase: Phrase) -> tuple[str, str] | None:

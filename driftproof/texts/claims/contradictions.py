@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import product
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
@@ -57,7 +58,7 @@ _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
 _NUMBER = (
     r"(?<![\w.^])[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?(?:e[-+]?[0-9]+|(?: ?[×·] ?10\^\{?-?[0-9]+\}?))?(?![\w.]*\w)%?"
 )
-_JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or) )"
+_JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or|/) )"
 _SETTINGS = re.compile(rf"\b\w+ ?= ?{_NUMBER}")
 _NO_SUBJECT = re.compile(
     r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
@@ -73,7 +74,7 @@ TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
 _OF_TUPLE = r"(?<=\w, )\w+\s?=\s?[-0-9.e]+, ?-?[0-9]"
 SETTING = {
-    x: re.compile(rf"(?<![\w.])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
+    x: re.compile(rf"(?<![\w./])(?!{_OF_TUPLE}){said}\s?=\s?{POSITIVE}")
     for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))
 }
 # The argument of a stability function, as in z = -10, h*lambda = -1.6 and R(-10).
@@ -207,7 +208,7 @@ def methods_said_of(before: str, after: str) -> set[str]:
             left, right = (spoken_names().sub("", part) for part in (between + left, after))
         else:
             compared = lists and _NO_SUBJECT.search(before[: lists[-1].start()])
-            ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between)) or len(between) > _LONGEST_GAP
+            ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between.lstrip(":"))) or len(between) > _LONGEST_GAP
             if ends or (len(listed) == 1 and ("," in between or compared)):
                 return set()
     at, more = (len(re.findall(_NUMBER, part)) for part in (left, right))
@@ -256,6 +257,9 @@ def _flat(text: str) -> str:
 @cache
 def _names() -> dict[str, set[str]]:
     found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
+    for kind, name in product(("velocity", "position"), ("verlet", "störmer verlet", "stoermer verlet")):
+        forms = (f" ({kind} form)", f" ({kind} version)", f" in {kind} form", f" ({kind})")
+        found |= {name + form: {f"{kind}_verlet"} for form in forms}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
             name = _flat(name.lower())
@@ -272,7 +276,7 @@ def _names() -> dict[str, set[str]]:
 def _lists_of_methods() -> re.Pattern[str]:
     """One method, or several that are joined, as in "A, B and C"."""
     return re.compile(
-        rf"{_METHOD}(?:(?:,|,? (?:and|or)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
+        rf"{_METHOD}(?:(?:,|,? (?:and|or|/)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
     )
 
 
@@ -281,7 +285,7 @@ def _methods_behind() -> re.Pattern[str]:
     """Methods right behind the number that is theirs: "for A and B", or "(A)" and nothing else in the brackets."""
     methods = _lists_of_methods().pattern
     return re.compile(
-        rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?\((?:the |with |by |for )?{methods}[),;])"
+        rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?[(\[](?:the |with |by |for )?{methods}[\]),;])"
     )
 
 

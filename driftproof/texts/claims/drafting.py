@@ -9,20 +9,23 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
+from typing import NamedTuple
 
 from driftproof.support.plain_text import counted
-from driftproof.texts.claims.checking import Span
-from driftproof.texts.claims.claims import MOST_CLAIMS
+from driftproof.texts.claims.checking import Span, places_of
+from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
 from driftproof.texts.claims.contradictions import methods_asked, methods_named
-from driftproof.texts.claims.members import SLIP, Group, Member, groups, uncovered
+from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.properties import Said, properties_in, properties_in_items, properties_in_tables
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
 from driftproof.texts.claims.suggestions import Missed, Suggestions
+from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.numbers import TextNumber
 
 # What the remarks say on an equation that no value is about, and on a problem that no number is of.
 UNREAD, BELONGS = "is not read as a problem", "belongs to the problem"
@@ -33,7 +36,8 @@ _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Chosen: questions read from the text that are shown; they differ in methods and step sizes.
 _MOST_READ = 12
 # What a draft calls perhaps wrong.
-_DOUBT = re.compile(rf"(?m)^# line [0-9]+: (.+?) {SLIP} (.+)$")
+_DOUBT = re.compile(rf"(?m)^# line ([0-9]+): (.+?) {SLIP} (.+)$")
+_BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
 # A number that looks like a value need not mean that value: read each claim. Numbers that look like no value, or
@@ -42,6 +46,24 @@ _HEADER = """\
 # one if it is not read from the text, and its numbers are drafted as well; the option may be repeated:
 # --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}"
 """
+
+
+class Doubt(NamedTuple):
+    """What the draft called perhaps wrong in this line, what it said of it, and the claim whose phrase has it."""
+
+    line: int
+    words: str
+    said: str
+    claim: Claim | None
+
+    def place(self, document: Document, uncovered: Iterable[TextNumber]) -> TextNumber | None:
+        """The words where they stand now: one of the uncovered numbers, if any in the claim's phrase, or a sentence."""
+        flat = document.text.text.replace("\n", " ")
+        if " is " in self.words and self.words in flat:
+            return TextNumber(at := flat.index(self.words), at + len(self.words), self.words, None)
+        places = places_of(document, self.claim, self.words) if self.claim else None
+        found = [x for x in uncovered if x.text == self.words and (places is None or x.start in places)]
+        return min(found, key=lambda x: abs(document.position(x.start).line - self.line), default=None)
 
 
 def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
@@ -76,21 +98,22 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         at, equation, why = unread
         drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
-    questions = {member.number.start: member.alike[0].question for member in members if member.strong}
-    for *room, group in uncovered([*groups(text, members, fences)], fences, covered):
+    grouped = [of_one_method(group) for group in groups(text, members, fences)]
+    questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
+    for *room, group in uncovered(grouped, fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number
         place = "line {}, column {}".format(*document.position(first.start))
-        phrase, stands = search.phrase(room, group)
+        phrase, stands, address = search.phrase(room, group)
         meant = [[questions.get(at + member.number.start - first.start) for member in group] for at in stands]
         if any(one != meant[0] for one in meant):  # the same words and numbers elsewhere do not mean the same
             group = [replace(member, strong=False) for member in group]
-            phrase, stands = search.phrase(room, group)
+            phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
-        methods = _methods(group, phrase, suggestions) if len(stands) == 1 else []
-        drafted.append(_claim(group, phrase, len(stands), place, ids, methods) if stands else claim)
+        methods = _methods(group, " ".join((phrase, *address)), suggestions) if len(stands) == 1 else []
+        drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
@@ -102,9 +125,16 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     return "\n".join(drafted).rstrip("\n")
 
 
-def doubts_of(claims: str) -> dict[str, str]:
-    """The numbers that a drafted claims file calls perhaps a slip, as the text writes them -> what it says of them."""
-    return dict(_DOUBT.findall(claims))
+def doubts_of(claims: str) -> list[Doubt]:
+    """What a drafted claims file calls perhaps a slip, each with the claim below it, a comment or not, that has it."""
+    found = list[Doubt]()
+    for doubt in _DOUBT.finditer(claims):
+        own, below = list[Claim](), _BELOW.search(claims, doubt.end())
+        with suppress(ValueError):
+            own += parse_claims(re.sub("(?m)^# ?", "", below[0])).claims if below else ()
+        has_it = own and not own[0].phrase.names and doubt[2] in own[0].phrase.free_numbers
+        found.append(Doubt(int(doubt[1]), doubt[2], doubt[3], own[0] if has_it else None))
+    return found
 
 
 def lines_to_look_at(claims: str, name: str) -> list[str]:
@@ -163,7 +193,9 @@ def _methods(group: Group, phrase: str, suggestions: Suggestions) -> list[str]:
     return [] if is_said or not named else keys if len({*keys}) > 1 else keys[:1]
 
 
-def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str], methods: list[str]) -> str:
+def _claim(
+    group: Group, phrase: str, count: int, place: str, ids: Counter[str], methods: list[str], address: Address
+) -> str:
     """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
     head, line = group[0], place.partition(",")[0]
     valued, chosen = any(member.strong for member in group), head.chosen
@@ -173,6 +205,7 @@ def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str],
         ids[place] += 1
         place += f" ({ids[place]})" if ids[place] > 1 else ""
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
+    lines += [f"{x} = {_quoted(said)}" for x, said in zip(Address._fields, address, strict=True) if said]
     if valued or chosen:
         lines += _values([member for member in group if member.strong]) if valued else []
         lines += [f"method = {json.dumps(methods if methods[1:] else methods[0])}"] if methods else []
@@ -185,7 +218,9 @@ def _claim(group: Group, phrase: str, count: int, place: str, ids: Counter[str],
 def _asked_line(document: Document, missed: Missed) -> str:
     """The line of an asked value without a claim: the value, and at most _MOST_PLACES numbers that may mean it."""
     question, answer, slips, vague = missed
-    shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
+    shown = "of which no digit is certain"  # such as log2 of the ratio of two equal errors
+    with suppress(ValueError):
+        shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
     shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")
     places = [f"{x.text} in line {document.position(x.start).line}" for x in (slips or vague)[:_MOST_PLACES]]
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from math import prod
 
 from driftproof.methods.catalogue import keys_of_name
@@ -20,23 +20,28 @@ _ODDS = 100
 _ODDS_OF_ASKED = 20
 # At most this many questions may come of one with braces: each may take a run.
 _MOST_ASKED = 2000
-_BRACES = re.compile(r"\{([^{}]*)\}")
+_BRACES = re.compile(r"((?:\b\w+ ?= ?)?)\{([^{}]*)\}")
 # A count of steps in words or a setting.
 COUNT_OF_STEPS = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 
 def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
-    """Each question that the braces stand for, equal ones alike -> its choices. Raises ValueError for none or 2001."""
-    choices = dict[str, list[str]]()
-    for brace in _BRACES.findall(asked):
+    """Each question that the braces stand for -> its choices. Raises ValueError for none or 2001.
+
+    Equal braces choose alike, and so do those of one setting with as many choices, as in h={0.2,0.1} and h={0.1,0.05}.
+    """
+    together = dict[tuple[str, int], dict[str, list[str]]]()
+    for setting, brace in _BRACES.findall(asked):
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
-        choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
-    if not 0 < (count := prod(map(len, choices.values()))) <= _MOST_ASKED:
+        choices = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
+        together.setdefault((setting or brace, len(choices)), {})[brace] = choices
+    ways = [[*zip(*choices.values(), strict=True)] for choices in together.values()]
+    if not 0 < (count := prod(map(len, ways))) <= _MOST_ASKED:
         raise ValueError(f"{asked[:60]!r} expands to {count} questions; from 1 to {_MOST_ASKED} are allowed")
     found = {}
-    for chosen in product(*choices.values()):
-        chosen_for = dict(zip(choices, chosen, strict=True))
-        found[_BRACES.sub(lambda brace, chosen_for=chosen_for: chosen_for[brace[1]], asked)] = chosen  # type: ignore[misc]
+    for chosen in map(tuple, map(chain.from_iterable, product(*ways))):
+        chosen_for = dict(zip(chain(*together.values()), chosen, strict=True))
+        found[_BRACES.sub(lambda brace, chosen_for=chosen_for: brace[1] + chosen_for[brace[2]], asked)] = chosen  # type: ignore[misc]
     return found
 
 

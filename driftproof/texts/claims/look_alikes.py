@@ -29,14 +29,16 @@ from driftproof.texts.claims.places import (
     COMPARED,
     Place,
     asked_quantity,
+    asked_settings,
     fact_in_column,
     fact_said,
+    is_head_of,
     leaves_quantity,
     place_of,
 )
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
 from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
-from driftproof.texts.claims.tables import TextTables
+from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.errors import QuestionError
@@ -109,7 +111,7 @@ class LookAlikes:
         self._meant: dict[int, list[KnownValue]] = {}
         self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
-        self.tables = TextTables(text)
+        self.tables = tables_of(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
         calculations = self.calculated.values()
         self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
@@ -174,7 +176,8 @@ class LookAlikes:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
         cell, methods = self.tables.cell_of(number), self._place_of(number).methods
         own = methods if self._place_of(number).own else frozenset[str]()
-        fact = fact_in_column(cell.head) if cell and cell.text.strip("≈~° ") == number.text else None
+        observed = self._place_of(number).quantity == "observed_order"
+        fact = fact_in_column(cell.head) if cell and not observed and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             fact = "angle"
         if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end), own)):
@@ -232,8 +235,22 @@ class LookAlikes:
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
             if table in self._steps and "h" not in place.near:
                 place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
+            rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
+            if rows_of_steps and place.quantity == "observed_order":
+                place = replace(place, of_row=(self._run_of_row(number),))
             self._places[number.start] = place
         return self._places[number.start]
+
+    def _run_of_row(self, number: TextNumber) -> int:
+        """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
+        votes, (table, _) = Counter({1: 1}), self.tables.column_place(number)
+        for x in chain(*(numbers for place, numbers in self._company.items() if place[0] == table)):
+            place = self._named_at(x)
+            for known in self._written(form_of(x)).get(spelled(x), ()) if place.quantity == "observed_order" else ():
+                if place.means(known.question, known.keys):
+                    sizes = asked_settings(known.question)["h"]
+                    votes.update(i for i, size in enumerate(sizes) if size == place.settings["h"])
+        return votes.most_common(1)[0][0]
 
     def _named_at(self, number: TextNumber) -> Place:
         if number.start not in self._named:

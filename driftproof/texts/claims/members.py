@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.checking import Span
+from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.look_alikes import LookAlike
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
@@ -23,8 +24,13 @@ _SETTING = re.compile(
     r"|[^\W\d_]\w{0,9}'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
-# Words before the limit of a step size, as in stable up to h = 1.4.
+# Words before the limit of a step size, as in stable up to h = 1.4, and before a time that is found.
 _LIMIT = re.compile(r"\b(?:up to|out to|until|at most|stable for|limit|largest step)\b[^.;,]{0,20}\Z")
+_FOUND = re.compile(
+    r"\b(?:reache[sd]|attain(?:s|ed)|cross(?:es|ed|ing)|occurs?|peaks?|peaked|maxim\w+|minim\w+|vanish\w+|hits?|lands?|"
+    r"touches|falls (?:below|to)|drops (?:below|to)|exceeds|passes|blow\w*|half-life|turning point)\b[^.;,=]{0,40}\Z"
+)
+_FEWEST_FOUND = 3  # significant digits of a time that nobody chooses
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
 _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
@@ -57,7 +63,9 @@ class Member:
         before = text[start : number.start].replace("\n", " ")
         parameter = re.search(r"(?<![\w./])([^\W\d]\w*) ?= ?\Z", before)
         found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
-        if found and _LIMIT.search(text[max(0, start - _LONGEST_SETTING) : start + found.start()].lower()):
+        said = text[max(0, start - 2 * _LONGEST_SETTING) : start + found.start()].lower() if found else ""
+        digits = len(digits_of(number.text).rstrip("0"))
+        if _LIMIT.search(said) or (digits >= _FEWEST_FOUND and found and found[0][0] == "t" and _FOUND.search(said)):
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)
@@ -66,7 +74,7 @@ class Member:
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()
         letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else head)
-        if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
+        if letter and (f"{letter[0]}'" in text or digits > 3):
             setting = None
         until = number.end
         if number.start in equations:
@@ -126,9 +134,22 @@ def groups(text: str, members: list[Member], fences: list[int]) -> Iterator[Grou
                 last.chosen and member.strong
             )
             fenced = bisect_right(fences, last.number.start) != bisect_right(fences, member.number.start)
-            if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
+            # What is perhaps a slip is told from the same number beside it by its place in the phrase.
+            twice = [x for x in group if x.number.text == member.number.text and (x.slips or member.slips)]
+            if not (together and not twice and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group
                 group = []
         group.append(member)
     if group:
         yield group
+
+
+def of_one_method(group: Group) -> Group:
+    """The group, its values of one method if all of them may be, as those of Verlet in either form."""
+    may_be = [[methods_asked(x.question) for x in one.alike if x.strong] for one in group if one.strong]
+    common = [keys for keys in may_be[0] if all(keys in each for each in may_be)] if may_be else []
+    if not common or all(each[0] == may_be[0][0] for each in may_be):
+        return group
+    return [
+        replace(one, alike=sorted(one.alike, key=lambda x: methods_asked(x.question) != common[0])) for one in group
+    ]

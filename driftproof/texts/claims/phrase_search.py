@@ -6,12 +6,15 @@ import re
 
 from driftproof.texts.claims.contradictions import begins_with_method, methods_named
 from driftproof.texts.claims.members import Group
-from driftproof.texts.claims.phrases import Phrase
+from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
+from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
 from driftproof.texts.readers.numbers import numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
 # method is looked for, which the phrase of a value names.
 _WORDS, _MOST_WORDS = 3, 10
+# Characters of a row before its first value that its phrase may begin with.
+_LONGEST_LABEL = 150
 _BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 
 
@@ -19,6 +22,7 @@ class PhraseSearch:
     """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
 
     def __init__(self, text: str) -> None:
+        self.tables = tables_of(text)
         self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
         self._starts: dict[str, list[int]] = {}
         for number in self.numbers:
@@ -26,8 +30,10 @@ class PhraseSearch:
         self._alike: dict[tuple[int, int, str], dict[str, list[int]]] = {}
         self._stands: dict[tuple[str, str], set[int]] = {}
 
-    def phrase(self, room: list[int], group: Group) -> tuple[str, set[int]]:
-        """A phrase with the group's numbers and all positions of its first number; ("", set()) if none matches here.
+    def phrase(self, room: list[int], group: Group, bound: bool = False) -> tuple[str, set[int], Address]:
+        """A phrase with the group's numbers, "" if none matches here; all positions of its first number; their address.
+
+        These are the row and column of values and likely slips in a table, or if `bound`, where the phrase lacks them.
 
         The phrase lies within `room` and begins up to _WORDS words before the first number, with its setting, or with
         the method or the heads of the table that say what a value is. Text after the last number is included only if it
@@ -37,6 +43,10 @@ class PhraseSearch:
         head, *_ = group
         text, start, end = self.text, head.number.start, group[-1].number.end
         first = at = self._beginning(room[0], group)
+        line, address = text.rfind("\n", 0, start) + 1, ANYWHERE
+        if text[line:first].strip("| ") and (bound or any(x.strong or x.slips for x in group)):
+            address = self.tables.address(head.number)
+            address = Address(*(x if len(x) <= LONGEST_PHRASE else "" for x in address))
         phrase, names = "", iter(placeholders(group))
         for number, strong in ((member.number, member.strong) for member in group):
             phrase += as_phrase(text[at : number.start]) + (f"{{{next(names)}}}" if strong else as_phrase(number.text))
@@ -50,8 +60,8 @@ class PhraseSearch:
             longer = phrase + as_phrase(text[end:last])
             stands = self._found(longer, group, first, last)
             if start in stands:
-                return longer, stands
-        return "", set()
+                return longer, {at for at in stands if at == start or self.tables.stands_at(address, at)}, address
+        return "", set(), address
 
     def _beginning(self, least: int, group: Group) -> int:
         """The place, at `least`, where the phrase of the group begins."""
@@ -66,7 +76,8 @@ class PhraseSearch:
             above = text.rfind("\n", 0, max(0, line - 1)) + 1
             heads = text[above:line]
             is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
-            return max(least, above) if is_first else first
+            labelled = least <= line and start - line < _LONGEST_LABEL
+            return max(least, above) if is_first else min(first, line) if labelled else first
         begins, named = start, set[str]()
         for word in reversed(words[-_MOST_WORDS:]):
             said = text[word:start].lower()

@@ -26,11 +26,13 @@ from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
 # Words for the logarithm of the ratio of two errors.
 OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
+# The head of a column of observed orders, beside step sizes.
+ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
     "observed_order": OBSERVED,
     "stability": r"stability functions?|amplification factors?|growth factors?",
-    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
+    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratio|times as|divides",
     "relative_error": r"relative(?: errors?)?",
     "error": r"errors?|e_n|off(?= by)|wrong|deviat\w+|differ\w+",
@@ -53,6 +55,8 @@ _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the column of an unknown, and of a row whose number is that of a step.
 _HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
+# The head of the solution's column beside those of methods.
+_SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 _HEADS = {
     "h": r"h|dt|δt|step ?size",
@@ -81,8 +85,11 @@ _AT_START = re.compile(
 )
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
-# Methods as the columns of a table have them.
-_SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
+# Methods as the columns and rows of a table have them.
+_SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
+_SHORT_NAMES["kutta"] = "kutta's third-order method"
+# The slopes of a step before the next one of their list, as in "the slopes are 0.34, 0.38 and".
+_SLOPES = re.compile(r"\bslopes\b(?:(?!\.\s)[^;:]){0,80}?(?:\bare|:) ?((?:[-+]?[0-9.]+(?:, ?(?:and )?| and ))*)\Z")
 # Words for methods that were named before.
 _METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
@@ -98,7 +105,7 @@ class Place:
     """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time.
 
     The row or the sentence of the number gives the settings `near`, and each of them one value; `own` methods are said
-    to be the number's.
+    to be the number's. Of the two runs that a question compares, one of `of_row` has the step size here.
     """
 
     methods: frozenset[str]
@@ -108,16 +115,17 @@ class Place:
     sure: bool = False
     near: frozenset[str] = frozenset()
     own: bool = False
+    of_row: tuple[int, ...] = (0, 1)
 
     def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
         """True if a method of the question is named here, no other time, and its step size among `sizes`."""
-        asked = _asked_settings(question)
+        asked = asked_settings(question)
         timed = not asked["t"] or self.settings.get("t") in (None, *asked["t"])
         return not methods.isdisjoint(self.methods) and timed and {*sizes} >= {*asked["h"]}
 
     def denies(self, question: str) -> bool:
         """True if the row or the sentence gives another step size or time than asked for."""
-        asked = _asked_settings(question)
+        asked = asked_settings(question)
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
 
     def is_of_others(self, question: str) -> bool:
@@ -130,14 +138,15 @@ class Place:
 
     def has_step(self, question: str) -> bool:
         """True if the step size of the question is the one here, or one of both has none."""
-        asked = _asked_settings(question)["h"]
+        asked = asked_settings(question)["h"]
         return not asked or self.settings.get("h") in (None, *asked)
 
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
-        for x, given in _asked_settings(question).items():
-            if given and self.settings.get(x) not in (given if quantity in COMPARED else given[:1]):
+        for x, given in asked_settings(question).items():
+            compared = [given[i] for i in self.of_row if given[i:]]
+            if given and self.settings.get(x) not in (compared if quantity in COMPARED else given[:1]):
                 return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
@@ -145,7 +154,8 @@ class Place:
 
 
 @cache
-def _asked_settings(question: str) -> dict[str, list[Fraction]]:
+def asked_settings(question: str) -> dict[str, list[Fraction]]:
+    """The step sizes, times and arguments of stability functions in a question, by letter."""
     return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
 
 
@@ -182,7 +192,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     The names of `unknowns`, in lower case, may have an index, as N_1 does; the index of any other is that of a step.
     They are the names in questions, by those in the text: v by dx too, if x' = v.
     """
-    heads = [_SHORT_HEADS.get(cell.head, cell.head) for cell in row if cell.start <= start]
+    heads = [_SHORT_NAMES.get(cell.head, cell.head) for cell in row if cell.start <= start]
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
@@ -196,7 +206,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if found := direct or _WORKED_OUT.search(before):
         name, n = found["name"], found["n"]
         if n and name == "k":
-            quantity, name = f"k{n}", None
+            quantity, name, sure = f"k{n}", None, "h" in settings
         else:
             quantity = "exact" if quantity == "exact" else "state" if direct or n or sure else "calculation"
             if f"{name}_{n}" in unknowns:
@@ -205,24 +215,39 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
+    elif not row and (listed := _SLOPES.search(before)):
+        quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
+    if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
+        quantity = "exact"
     if re.search(r"\bdivide[sd]?\b.* by \Z|\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
+    if (
+        re.fullmatch(ORDER_OF_COLUMN, head)
+        and "." in text[start:end]
+        and any(is_head_of("h", cell.head) for cell in row)
+    ):
+        quantity = "observed_order"
     if is_head_of("".join(_HEADS), head):
         quantity = "chosen"
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
     elif not quantity and near & {*"hzt"} == {"z"}:
         quantity = "stability"
-    if quantity in COMPARED and (pairs := _PAIR.findall(text[max(0, start - _NEAR) : start].rpartition("\n\n")[2])):
+    if (
+        quantity in COMPARED
+        and not row
+        and (pairs := _PAIR.findall(text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]))
+    ):
         settings["h"], near = Fraction(pairs[-1][1]), near | {"h"}
     elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
     own = set[str]() if row else methods_said_of(before, after) or _own_of_before(text[:start], before, after)
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
-    methods = methods or next((named for cell in row if (named := methods_named(cell.text))), set())
+    labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
+    methods = methods or next((named for label in labels if (named := methods_named(label))), set())
     by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
     methods = methods or (methods_named(by[1]) if by else set())
     if not methods and not _is_labelled(text, start, row):  # by a name that is none of a method

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from driftproof.texts.claims.contradictions import methods_named, spoken_names
-from driftproof.texts.claims.tables import TextTables
+from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.questions.evaluate import value
 
 # Property -> the fact of that name.
@@ -61,7 +61,7 @@ def properties_in_items(text: str) -> Iterator[Said]:
 
 def properties_in_tables(text: str) -> Iterator[Said]:
     """The cells of tables that say yes or no under the name of a property, in the rows of single methods."""
-    for row in TextTables(text).rows():
+    for row in tables_of(text).rows():
         label = next((cell.text for cell in row if methods_named(cell.text)), "")
         for cell in row:
             if cell.head in _FACTS and cell.text in _ANSWERS:

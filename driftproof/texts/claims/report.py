@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from os.path import isfile
 from pathlib import Path
 from shlex import quote
-from types import MappingProxyType
 from typing import Any, Literal, overload
 
 from driftproof.support.assertions import AssertedVerdict, assert_verdict
@@ -18,7 +17,7 @@ from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims, read_claims, refused_in
-from driftproof.texts.claims.drafting import doubts_of, draft
+from driftproof.texts.claims.drafting import Doubt, doubts_of, draft
 from driftproof.texts.claims.listings import Ran, run_listings
 from driftproof.texts.claims.members import SLIP
 from driftproof.texts.claims.suggestions import Suggestions
@@ -58,11 +57,11 @@ class TextReport(Printable):
         claims: Claims,
         ran: Ran | None = None,
         suggest: bool = False,
-        doubts: Mapping[str, str] = MappingProxyType({}),
+        doubts: Sequence[Doubt] = (),
     ) -> TextReport:
         """Check the claims; with `suggest`, also look for the values that each uncovered number may be.
 
-        The `doubts` say of numbers, as the text writes them, why they are perhaps wrong.
+        The `doubts` are what the draft of the claims called perhaps wrong.
 
         Raises ValueError if a claim has no value, a label occurs nowhere, or too many numbers need suggestions.
         """
@@ -71,10 +70,8 @@ class TextReport(Printable):
         if suggest and len(covered.uncovered) > _MOST_LISTED:
             raise ValueError(f"{len(covered.uncovered)} numbers are not covered; at most {_MOST_LISTED} are listed")
         suggestions = Suggestions(document.text.text) if suggest else None
-        slips = [(number, doubts[number.text]) for number in covered.uncovered if number.text in doubts]
-        flat = document.text.text.replace("\n", " ")
-        for words in (x for x in doubts if " is " in x and x in flat):
-            slips.append((TextNumber(at := flat.index(words), at + len(words), words, None), doubts[words]))
+        slips = [(at, one.said) for one in doubts if (at := one.place(document, covered.uncovered))]
+        slips.sort(key=lambda slip: slip[0].start)
         return cls(file, document, checked, covered, claims.coverage, ran, suggestions, tuple(slips))
 
     @property

@@ -15,7 +15,7 @@ from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
-from driftproof.texts.claims.places import OBSERVED, is_head_of
+from driftproof.texts.claims.places import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
@@ -29,7 +29,7 @@ _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
-_SIZES = re.compile(rf"(?:(?<!\w)(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
+_SIZES = re.compile(rf"(?:(?<![\w/])(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
@@ -273,7 +273,8 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
-    after |= {1} if re.search(r"k_?1\b", part) else set()
+    with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
+    after |= {1} if with_slopes else set()
     after |= rows - {0} if of_steps else set()
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
@@ -305,10 +306,13 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
                     conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
                     yield f"run {methods} {conserved} : {{energy,energy_change}}"
                     yield f"abs(run {methods} {conserved} : energy_change)"
-            if chosen and re.search(r"k_?1\b", part):
+            if chosen and with_slopes:
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
-    of_ratios = [bool(re.search(words, part.lower())) for words in ("factor|ratio|times as|divides|fall by", OBSERVED)]
+    of_ratios = [
+        bool(re.search(words, part.lower()))
+        for words in ("factor|ratio|times as|divides|fall by", rf"{OBSERVED}|\| ?{ORDER_OF_COLUMN} ?\|")
+    ]
     for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
         ends = ",".join(_shown(t) for t in fitting if t in also)
         for methods, error in product(named if ends else (), errors):

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import SETTING, names_limit
+from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import (
     BESIDE,
@@ -23,6 +23,7 @@ from driftproof.texts.claims.look_alikes import (
     printed,
     without_sizes,
 )
+from driftproof.texts.claims.places import COMPARED, asked_quantity
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -116,10 +117,29 @@ class Suggestions(LookAlikes):
                 own = form_of(number).spellings(answer) if answer and answer.is_number else []
                 found |= {fact: own[0]} if own and spelled(number) not in own else {}
             elif fact in first:
-                found |= self._misfit(number, {fact: first[fact]})
+                of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
+                of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
+                found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
             elif not found and digits > 2:
                 found = self._misplaced(number, first, digits)
+        found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
+        least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
+        near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
+        found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _column_kinds(self, number: TextNumber) -> set[str]:
+        """The values of a problem, but for step sizes and times, that all of the number's column look like.
+
+        None if a method heads it, or for one number of more than three digits.
+        """
+        if not self.tables.row_of(number) or methods_named(self.tables.column_of(number)):
+            return set()
+        column = [
+            x for x in self._company[self.tables.column_place(number)] if len(digits_of(x.text, telling=True)) > 3
+        ]
+        kinds = [{without_sizes(x.question) for x in self.look_alikes(one)} for one in column]
+        return set.intersection(*kinds) if number in column and kinds[1:] else set()
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
         """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""
@@ -130,7 +150,9 @@ class Suggestions(LookAlikes):
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
         if not found and digits > 3:
-            part = " : " if self._place_of(number).unknown else "\n"  # another unknown of the same run?
+            place = self._place_of(number)
+            is_part = place.unknown or re.fullmatch("k[0-9]", place.quantity or "")
+            part = " : " if is_part else "\n"  # another unknown or slope of the same run?
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
             of = {x: without_sizes(x) for x in named if sure or " h=" in x}
             found = {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * sure} & others - {""}}

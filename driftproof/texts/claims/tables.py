@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
-from itertools import pairwise, takewhile
+from functools import lru_cache
+from itertools import dropwhile, pairwise, takewhile
 from typing import NamedTuple
 
 from driftproof.texts.readers.numbers import TextNumber
@@ -19,20 +21,38 @@ _FARTHEST = 2000
 
 
 class Cell(NamedTuple):
-    """A cell of a table: the head of its column and its own text, in lower case, and where it stands."""
+    """A cell of a table: the head of its column and its text, in lower case, where it stands, and both as written."""
 
     head: str
     text: str
     start: int
     end: int
+    head_written: str
+    written: str
+
+
+class Address(NamedTuple):
+    """The beginning of the row of a number, as in RK4 or RK4 | 0.1, and the head of its column; "" for any."""
+
+    row: str = ""
+    column: str = ""
+
+
+ANYWHERE = Address()
+
+
+@lru_cache(maxsize=4)
+def tables_of(text: str) -> TextTables:
+    """The tables of a text, read once."""
+    return TextTables(text)
 
 
 class TextTables:
     """The tables of a text in canonical spelling."""
 
     def __init__(self, text: str) -> None:
-        self._text = text.lower()
-        self._rows: dict[int, list[Cell]] = {}
+        self._written, self._text = text, text.lower()
+        self._rows, self._beginnings = dict[int, list[Cell]](), dict[int, Counter[str]]()
 
     def column_of(self, number: TextNumber) -> str:
         """The head of the number's column in a table, in lower case; "" for other numbers."""
@@ -56,6 +76,32 @@ class TextTables:
             self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
         return self._rows[start]
 
+    def address(self, number: TextNumber) -> Address:
+        """The place of the number, as the text writes it: as much of its row as no other row of its table begins with.
+
+        That is the first cell that is not empty, if others begin with all of the cells before the number, too.
+        """
+        row, (table, _) = self.row_of(number), self.column_place(number)
+        if table not in self._beginnings:
+            self._beginnings[table] = Counter(one for row in self._table(table) for one in _beginnings(row))
+        own = _beginnings([cell for cell in row if cell.end <= number.start])
+        label = next((one for one in own if self._beginnings[table][one] == 1), next(iter(own), ""))
+        head = next((cell.head_written for cell in row if cell.start <= number.start < cell.end), "")
+        return Address(label, "" if re.match("[-+.]?[0-9]", head) else head)
+
+    def stands_at(self, address: Address, start: int) -> bool:
+        """True if what begins there is in such a row and column."""
+        row = self._row(self._text.rfind("\n", 0, start) + 1)
+        heads = [cell.head for cell in row if cell.start <= start < cell.end]
+        is_row = not address.row or address.row.lower() in map(str.lower, _beginnings(row))
+        return is_row and (not address.column or heads == [address.column.lower()])
+
+    def _table(self, start: int) -> Iterator[list[Cell]]:
+        """The rows of the table that begins there."""
+        while start >= 0 and (row := self._row(start)):
+            yield row
+            start = self._text.find("\n", start) + 1 or -1
+
     def column_place(self, number: TextNumber) -> tuple[int, int]:
         """The place where the number's table begins, and its column there; (-1, -1) outside tables."""
         cell = self.cell_of(number)
@@ -67,7 +113,7 @@ class TextTables:
 
     def _cells(self, row: str, start: int) -> Iterator[Cell]:
         heads, below = dict[int, str](), list[str]()
-        above = self._text[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
+        above = self._written[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
         for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
                 named = [_BOLD.sub(r"\1", cell.strip()) for cell in cells]
@@ -76,5 +122,11 @@ class TextTables:
                 below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
         ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]
         for column, (begin, end) in enumerate(pairwise([0, *ends])):
-            cell = _CELL.sub("", row[begin:end])
-            yield Cell(heads.get(column, ""), cell.strip(), start + begin, start + end)
+            head, cell = heads.get(column, ""), _CELL.sub("", self._written[start + begin : start + end]).strip()
+            yield Cell(head.lower(), cell.lower(), start + begin, start + end, head, cell)
+
+
+def _beginnings(row: list[Cell]) -> list[str]:
+    """The beginnings of a row: its first cell that is not empty, that with the next one, and so on."""
+    texts = [*dropwhile(lambda text: not text, (cell.written for cell in row))]
+    return [" | ".join(texts[:i]) for i in range(1, len(texts) + 1)]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn, TypeAlias
 
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.tableau_file import subject_of
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
@@ -169,13 +170,16 @@ def methods_table(
         raise Refusal(f"a table of methods has from 1 to {_MOST_CELLS} cells; name methods and columns")
     run = "" if h is None and t is None else f"h={h} t={t}"
     rows = [[style.kind.escape(name) for name in ("Method", *titles)]]
+    try:
+        subjects = {key: subject_of(key) for key in methods}
+    except ValueError as error:
+        raise Refusal(str(error)) from None
+    multistep = {isinstance(one, Multistep) for one in subjects.values()}
+    if len(multistep) > 1 and any(match["asked"].startswith("error_constant") for match in parsed):
+        raise Refusal("error constants of one-step and multistep methods differ in sign; give them in two tables")
     for key in methods:
-        try:
-            title = subject_of(key).title
-        except ValueError as error:
-            raise Refusal(str(error)) from None
         cells = (_cell(ask, style, key, column, run) for column in parsed)
-        rows.append([style.kind.escape(title), *cells])
+        rows.append([style.kind.escape(subjects[key].title), *cells])
     return style.kind.table(rows)
 
 

@@ -94,6 +94,7 @@ BAD = [
     (CLAIM.replace("is {value}", "is").replace("value =", "values.value ="), "values defines 'value', which is not a"),
     (CLAIM + "answer = 'no'", "answer is for a phrase without a placeholder, with a question as its value"),
     (CLAIM + "method = 'Euler'", "method is the key of a method that the text names where the value stands, or one"),
+    (CLAIM + "row = ''", "row"), (CLAIM + "column = 1", "column"),
     (CLAIM + "method = 1", "method is the key of a"), (CLAIM + "method = ['rk4', 'rk4']", "method is the key of a"),
     ("[[claim]]\nid = 'a'\nphrase = 'of RK4'\ngiven = true\nmethod = 'rk4'", "method is the key of a method"),
     (CLAIM.replace("is {value}", "is {other}"), "has the placeholder {other}, which neither value nor values defines"),

@@ -20,6 +20,13 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike():
         questions_in("a - {3..1}")
 
 
+def test_braces_of_one_setting_that_are_equally_long_go_together():
+    halved = "run rk4 h={1/2,1/4} t={1,2} : q - run rk4 h={1/4,1/8} t={1,2} : q"
+    pairs = [(h, half, t) for h, half in (("1/2", "1/4"), ("1/4", "1/8")) for t in (1, 2)]
+    assert [*questions_in(halved)] == [f"run rk4 h={h} t={t} : q - run rk4 h={x} t={t} : q" for h, x, t in pairs]
+    assert len(questions_in("h={1,2} h={1,2,3} t={4,5}")) == 12
+
+
 def test_an_asked_value_of_one_digit_needs_two_names_nearby():
     for chosen, digits, fit, meant in ((("2",), 1, 1, False), (("2",), 2, 1, True), (("2", "3"), 1, 2, True)):
         assert KnownValue("", value("0.4"), chosen).is_meant(Q(2, 5), digits, fit, rivals=5) is meant

@@ -57,6 +57,20 @@ def test_a_limit_of_the_step_size_is_found_not_chosen():
         assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given
 
 
+@pytest.mark.parametrize(
+    ("said", "given"),
+    [
+        ("Half of it is reached at t = 0.748 s", 0),
+        ("The peak occurs at time t = 12.5", 0),
+        ("The end is reached at t = 100", 1),
+        ("The maximum is near; we stop at t = 0.748", 1),
+        ("It falls, from the start to t = 0.748", 1),
+    ],
+)
+def test_a_time_at_which_something_is_reached_is_found_unless_it_is_round(said, given):
+    assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given
+
+
 def test_a_letter_of_an_equation_is_given_and_no_other():
     document = document_of("S' = -βS I - c_1 S, with β = 0.44, c_1 = 0.77 and q = 0.99; S = 0.33.")
     given = [claim["phrase"] for claim in tomllib.loads(draft(document, "a"))["claim"]]

@@ -97,10 +97,41 @@ def test_a_phrase_begins_with_the_whole_name_of_its_method():
     assert 'phrase = "forward Euler: y(1) ≈ {value}"' in drafted
 
 
-def test_same_words_with_another_meaning_elsewhere_are_no_claim():
-    """The second row repeats the first one's number: its phrase would cover both."""
+def test_same_words_with_another_meaning_elsewhere_are_no_claim_and_the_right_ones_name_their_row():
+    """The second row repeats the first one's number."""
     rows = "| t | other | RK4 |\n| 0.8 | 7.41 | 0.449329 |\n| 0.9 | 7.41 | {} |\n"
     text = f"For y' = -y, y(0) = 1 with h = 0.1:\n\n{rows}"
     repeated, right = (draft(document_of(text.format(x), "markdown"), "a") for x in ("0.449329", "0.406570"))
-    assert re.findall(r'^value = "(.*)"', repeated, re.MULTILINE) == []
+    assert re.findall(r'^(?:value|row|column) = "(.*)"', repeated, re.MULTILINE) == ["0.8", "RK4", RIGHT_IN_08]
     assert len(re.findall(r'^value = "(.*)"', right, re.MULTILINE)) == 2
+
+
+RIGHT_IN_08 = "run rk4 y'=-y, y(0)=1, h=0.1, t=0.8 : y"
+UNKNOWN_BETWEEN = """For y' = -y, y(0) = 1 with h = 0.1:
+
+| t | load | RK4 | load | Heun |
+|---|---|---|---|---|
+| 0.8 | 7.41 | 0.449329 | 5.51 | 0.449975 |
+| 0.9 | 7.63 | 0.406570 | 5.53 | 0.407228 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wrong"),
+    [
+        ("0.449329", "0.406570", 2),
+        ("0.449329", "0.449975", 2),
+        ("| 0.9", "| 0.7", 2),
+        ("RK4", "Heun", 4),
+        ("7.63", "7.64", 0),
+        ("0.406570", "0.406571", 1),
+    ],
+)
+def test_a_value_behind_a_number_without_a_claim_keeps_its_row_and_column(old, new, wrong):
+    claims = parse_claims(draft(document_of(UNKNOWN_BETWEEN, "markdown"), "a")).claims
+    for text, findings in (
+        (UNKNOWN_BETWEEN, 0),
+        (UNKNOWN_BETWEEN.replace(old, "X").replace(new, old).replace("X", new), wrong),
+    ):
+        checked = check_claims(document_of(text, "markdown"), claims)
+        assert sum(len(each.findings) for each in checked if each.claim.values) == findings

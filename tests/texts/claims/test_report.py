@@ -157,7 +157,7 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
     claims.write_text(check(text, init=True)["claims"], encoding="utf-8")
     report = check(text)
     assert report.passed
-    places = [("74.3", 2, 44, "angle bdf4 is 73.4"), ("BDF3 is A-stable", 1, 1, "a_stable bdf3 is no")]
+    places = [("BDF3 is A-stable", 1, 1, "a_stable bdf3 is no"), ("74.3", 2, 44, "angle bdf4 is 73.4")]
     assert [tuple(one.values()) for one in report.as_dict()["slips"]] == places
     shown = report.written("text")
     assert f"{text}:2:44: 74.3 is perhaps a slip: angle bdf4 is 73.4\n" in shown
@@ -165,6 +165,29 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
     assert report.written("github").count("::warning file=") == 2
     text.write_text(right, encoding="utf-8")
     assert (check(text).slips, check(text).passed) == ((), True)
+
+
+SLIP_AND_OTHER = """Version 0.40667.
+
+For y' = -y, y(0) = 1 with h = 0.1:
+
+| t | load | RK4 |
+| 0.9 | 7.1 | 0.40667 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [("\n\n", "\n\nIn all:\n\n", (8, 15)), ("7.1", "7.2", (6, 15)), ("| 0.40667", "| 0.40657", None)],
+)
+def test_a_number_called_perhaps_wrong_is_named_at_its_own_place_alone(tmp_path, old, new, place):
+    text = tmp_path / "a.md"
+    text.write_text(SLIP_AND_OTHER, encoding="utf-8")
+    Path(f"{text}.claims.toml").write_text(check(text, init=True)["claims"], encoding="utf-8")
+    assert len(check(text).slips) == 1
+    text.write_text(SLIP_AND_OTHER.replace(old, new, 1), encoding="utf-8")
+    report = check(text).as_dict()
+    assert [(one["line"], one["column"]) for one in report["slips"]] == [place] * (place is not None)
 
 
 def test_an_assertion_raises_with_every_finding_and_tells_listeners(tmp_path, monkeypatch):

@@ -134,6 +134,12 @@ def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
     ]
 
 
+def test_the_rate_of_an_equation_is_no_step_size():
+    (_, run) = stated("dP/dt = 0.8 P, P(0) = 1: Euler takes h = 0.5 to t = 2.")
+    assert "h={0.5}, t={2}" in run
+    assert "h={0.8}" in stated("P' = P, P(0) = 1: Euler takes dt = 0.8 to t = 1.6.")[-1]
+
+
 def test_methods_sizes_times_and_what_is_read_are_those_of_the_text():
     text = """A problem. y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
 | t | y | relative error |

@@ -482,6 +482,8 @@ BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at 
     [
         "* {} for velocity Verlet, {} for symplectic Euler.",
         "* {} (velocity Verlet) and {} (symplectic Euler).",
+        "* {} [velocity Verlet] and {} [symplectic Euler].",
+        "* Velocity Verlet / symplectic Euler: {} / {}",
         "* The errors of velocity Verlet and symplectic Euler are {} and {}.",
         "* Velocity Verlet is off by {}, symplectic Euler by {}.",
     ],
@@ -505,6 +507,107 @@ def test_a_number_whose_method_is_named_is_of_no_other_and_an_exchanged_pair_is_
 def test_orders_of_a_list_are_those_of_its_methods(said):
     assert _found(said.format(1, 2)) == [("1", True, []), ("2", True, [])]
     assert _found(said.format(2, 1)) == [("2", False, ["1"]), ("1", False, ["2"])]
+
+
+COLUMNS = """For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule and Heun's third-order method give
+
+| t | y (3/8) | y (HEAD) |
+|---|---|---|
+| 0.5 | 0.6065309 | 0.6065170 |
+| 1 | 0.3678798 | 0.3678628 |
+| 2 | 0.1353355 | LAST |
+"""
+
+
+@pytest.mark.parametrize(
+    ("head", "last", "slips"),
+    [
+        ("own", "0.1353231", {}),
+        ("own", "0.1353232", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353232": ["0.1353231"]}),
+        ("RK4", "0.1353231", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353231": ["0.1353355"]}),
+        ("Heun 3", "0.1353232", {"0.1353232": ["0.1353231"]}),
+    ],
+)
+def test_a_column_that_no_method_heads_is_the_one_value_that_all_its_numbers_fit(head, last, slips):
+    assert claims_and_slips(COLUMNS.replace("HEAD", head).replace("LAST", last))[1] == slips
+
+
+@pytest.mark.parametrize(("column", "solution"), [("| 3/8 rule ", True), ("", False)])
+def test_the_unknown_as_a_function_of_time_is_the_solution_beside_columns_of_methods(column, solution):
+    text = f"For y' = -y, y(0) = 1 and h = 0.5, Heun:\n\n| t {column}| y(t) |\n|---|---|\n"
+    rows = [f"| 1 | {'0.3680556 | ' * bool(column)}0.3678794 |", f"| 2 | {'0.1354649 | ' * bool(column)}0.1353353 |"]
+    claimed = claims_and_slips(text + "\n".join(rows))[0]
+    assert claimed["0.1353353"].startswith("exact") is solution
+
+
+ORDERS = """For u' = -2u + sin(t), u(0) = 1, with starting values by RK4, errors at t = 2:
+
+| h | AB2 | order | AB3 | order |
+|---|---|---|---|---|
+| 0.2 | 8.566e-03 | {} | 2.946e-03 | {} |
+| 0.1 | 2.002e-03 | {} | 3.585e-04 | {} |
+| 0.05 | 4.819e-04 | {} | 4.303e-05 | {} |
+"""
+
+
+@pytest.mark.parametrize(
+    ("orders", "slips"),
+    [
+        (("--", "--", "2.097", "3.039", "2.055", "3.058"), {}),
+        (("2.097", "3.039", "2.055", "3.058", "--", "--"), {}),
+        (("--", "--", "2.098", "3.039", "2.055", "3.085"), {"3.085": ["3.058"]}),
+        (("--", "--", "2.097", "3.058", "2.055", "3.039"), {"3.058": ["3.039"], "3.039": ["3.058"]}),
+    ],
+)
+def test_a_column_order_beside_step_sizes_has_observed_orders_of_two_rows_each(orders, slips):
+    """A last digit that rounded errors may give is no slip."""
+    claimed, found = claims_and_slips(ORDERS.format(*orders))
+    assert found == slips
+    assert all(claimed[x].startswith("log2(") for x in orders if x not in {"--", "2.098", *slips})
+
+
+def test_observed_orders_in_rows_of_methods_are_of_the_step_sizes_that_the_text_may_mean():
+    rows = "| method | h = 0.1 | h = 0.05 | observed order |\n|---|---|---|---|\n"
+    rows += "| trapezoidal rule | 7.01e-03 | 1.67e-03 | 2.02 |\n| implicit midpoint | 2.68e-03 | 6.61e-04 | 2.00 |\n"
+    text = f"For y' = -y^3, y(0) = 2, errors at t = 1:\n\n{rows}\nThe order compares h = 0.05 with h = 0.025."
+    claimed, slips = claims_and_slips(text)
+    assert claimed["2.02"].startswith("log2(ratio(run trapezoid")
+    assert slips == {}
+
+
+def test_a_column_of_energy_changes_is_read_by_its_sign_for_them():
+    text = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0, energy E = v^2/2 - x^2/2 + x^4/4, v = x'. With h = 0.2:"
+    text += "\n\n| method | t | E | ΔE |\n|---|---|---|---|\n| explicit Euler | 4 | 0.41007 | {} |"
+    assert claims_and_slips(text.format("0.51945"))[0]["0.51945"].endswith(" : energy_change")
+    assert {*claims_and_slips(text.format("0.51954"))[1]["0.51954"]} == {"0.51945"}
+
+
+def test_slopes_in_a_list_are_k1_k2_and_so_on_of_the_step():
+    text = "For dP/dt = 0.8 P (1 - P/5) - 0.3, P(0) = 1 and h = 0.5, the slopes of the first step of RK4 are "
+    claimed, slips = claims_and_slips(text + "0.3400, 0.3796, 0.3841 and 0.4236.")
+    assert [claimed[x][-4:] for x in ("0.3400", "0.3796", "0.3841")] == ["k1.P", "k2.P", "k3.P"]
+    assert slips == {"0.4236": ["0.4263"]}
+    assert claims_and_slips(text + "0.3400, 0.3841, 0.3796 and 0.4263.")[1].keys() == {"0.3841", "0.3796"}
+
+
+@pytest.mark.parametrize(("named", "claimed"), [("Kutta's third-order method", True), ("Heun's method", False)])
+def test_kutta_in_a_row_is_the_third_order_method_where_the_text_names_it(named, claimed):
+    rows = "| method | h = 0.1 |\n|---|---|\n| Kutta | 1.661e-05 |"
+    text = f"For y' = -y, y(0) = 1, {named} and RK4 have errors at t = 1:\n\n{rows}"
+    assert bool(claims_and_slips(text)[0]["1.661e-05"]) is claimed
+
+
+@pytest.mark.parametrize(
+    ("ab2", "ab3", "slips"),
+    [
+        ("5/12", "3/8", []),
+        ("3/8", "5/12", [["5/12"], ["3/8"]]),
+        ("-5/12", "-3/8", []),
+    ],
+)
+def test_facts_exchanged_between_two_rows_are_slips_and_another_sign_is_a_convention(ab2, ab3, slips):
+    text = f"| method | error constant |\n|---|---|\n| AB2 | {ab2} |\n| AB3 | {ab3} |\n| AB4 | 251/720 |"
+    assert [found for _, _, found in _found(text) if found] == slips
 
 
 def test_a_head_with_3_8_in_brackets_names_that_method():

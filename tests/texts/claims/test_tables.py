@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.tables import TextTables
+from driftproof.texts.claims.tables import Address, TextTables
 from driftproof.texts.readers.numbers import numbers_in
 
 
@@ -27,6 +27,23 @@ def test_the_head_of_a_column_is_above_it(text):
 def test_no_number_outside_a_table_has_a_head_nor_one_below_the_end_of_a_table():
     assert heads("Heun\n0.5") == {"0.5": ""}
     assert heads("| Heun |\nIt is\n| 0.5 |") == {"0.5": ""}
+
+
+ROWS = """| method | h | e | y |
+|---|---|---|---|
+| RK4 | 0.1 | 7.1 | 2.1 |
+| RK4 | 0.2 | 7.2 | 2.2 |
+| Heun | 0.1 | 7.3 | 2.3 |"""
+
+
+@pytest.mark.parametrize(("number", "row"), [("2.1", "RK4 | 0.1"), ("2.2", "RK4 | 0.2"), ("2.3", "Heun")])
+def test_a_number_has_an_address_that_no_other_row_has(number, row):
+    tables, numbers = TextTables(ROWS), [x for x in numbers_in(ROWS) if x.label is None]
+    (found,) = [tables.address(x) for x in numbers if x.text == number]
+    assert found == Address(row, "y")
+    assert [x.text for x in numbers if tables.stands_at(found, x.start)] == [number]
+    assert tables.stands_at(Address(row.lower()), ROWS.index(number))
+    assert not tables.stands_at(found, 0)
 
 
 def test_cells_of_a_row_have_their_places_in_the_text():

@@ -52,6 +52,15 @@ def test_headings_of_columns_are_what_is_asked_in_words(become):
     assert first.splitlines()[0] == "| Method | q | State error | Order |"
 
 
+def test_a_column_of_error_constants_has_one_sign_convention(become):
+    """Of one-step methods the sign is computed minus exact, of multistep methods exact minus computed."""
+    table = '{{ methods_table(["forward_euler", OTHER], ["order", COLUMN]) }}'
+    assert "-1/120" in become(table.replace("OTHER", '"rk4"').replace("COLUMN", '"error_constant"'))
+    assert "BDF" in become(table.replace("OTHER", '"bdf2"').replace("COLUMN", '"a_stable"'))
+    with pytest.raises(TemplateProblem, match="of one-step and multistep methods differ in sign"):
+        become(table.replace("OTHER", '"bdf2"').replace("COLUMN", '"error_constant"'))
+
+
 def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become):
     tie = '{{ value("-5/8") | places(2) }}'
     assert become('{% set style = "printed" %}{% set rounding = "half-away" %}' + tie) == "−0.63"
