@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import ulp
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -14,14 +13,13 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
-from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import TWO_RUNS, Evaluation, Refused, size
+from driftproof.enclosure.numbers import Refused, size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
+from driftproof.enclosure.reproduction import require_reproduced
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
-from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
 from driftproof.methods.rationals import ExactNumber
@@ -38,15 +36,6 @@ RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
 # Bits of the first exact run of a method, and of the last: balls of a plain run widen by some bits in each step, and a
 # run whose balls are as wide as the solution ends there, so that the attempts together cost twice the last one.
 BITS_OF_EXACT_RUN, MOST_BITS_OF_EXACT_RUN = 256, 2**16
-# f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
-# digits. This detects another function, and does not bound rounding.
-REPRODUCED = 2.0**-26
-# What f computes of the time, such as t * 1000 % 1, may be off by so many roundings of it.
-ROUNDINGS_OF_TIME = 8
-# Floats keep fewer digits of smaller numbers, or none.
-UNDERFLOW = arb(2) ** -1022
-# The number of points at which this is checked, evenly spread.
-MOST_REPRODUCED = 64
 # A first row that is off a problem's start by more than this part of it is no rounding of it to some digits.
 ANOTHER_START = Fraction(1, 10**4)
 # If twice the bits lead further by less than this part of the whole time, f is the obstacle and not the precision.
@@ -125,7 +114,7 @@ def certificate_of(
     unknowns = given.unknowns if isinstance(given, VectorField) else ()
     f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
-    _require_reproduced(f, run.times, run.states)
+    require_reproduced(f, enclosable(f), run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
     enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
@@ -251,57 +240,6 @@ def within(found: Certificate, tolerance: float | Fraction) -> bool:
     if not (largest <= bound or largest > bound):
         raise Refused(f"the largest error is {decimal(largest)}, too close to the tolerance {tolerance} to decide")
     return bool(largest <= bound)
-
-
-def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[float]]) -> None:
-    """Raise Refused unless f in floats agrees with f in balls, up to rounding, at points of the trajectory.
-
-    f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected.
-    """
-    in_balls, checked = enclosable(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
-    forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
-    backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
-    for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
-        t, balls = times[i], [arb(x) for x in states[i]]
-        if len(given) != len(balls):
-            raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
-        try:
-            rates, slopes = linearised(in_balls, Clock(Evaluation(), arb(t)), balls)
-        except Refused as refusal:
-            if "compares" not in str(refusal):
-                raise
-            more = f"if f changes its form there, as friction at rest does, {TWO_RUNS}"
-            raise Refused(f"{refusal} at t = {t}; {more}", refusal.t) from None
-        moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
-        allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
-        if not allowed.is_finite():
-            raise Refused(f"f or its derivative is not finite at t = {t}")
-        for j, (a, again) in enumerate(zip(given, repeated, strict=True)):
-            if abs(arb(a) - again) > 2 * allowed:
-                raise Refused(f"f is {a!r} at t = {t}, component {j}, but {again!r} in a second call")
-        off = [j for j, (a, b) in enumerate(zip(given, rates, strict=True)) if not abs(arb(a) - b) <= allowed]
-        if off and not _jumps_beside(in_balls, t, balls, given, allowed):
-            said = f"f in floats is {given[off[0]]!r} at t = {t}, component {off[0]}"
-            raise Refused(f"{said}, but its enclosure is {decimal(rates[off[0]])}")
-
-
-def _jumps_beside(f: RightHandSide, t: float, y: list[arb], given: list[float], allowed: arb) -> bool:
-    """True if f is what floats gave within some roundings of t, as where it jumps at t up to rounding."""
-    for x in (t - ROUNDINGS_OF_TIME * ulp(t), t + ROUNDINGS_OF_TIME * ulp(t)):
-        rates = linearised(f, Clock(Evaluation(), arb(x)), y, slopes=False)[0]
-        if all(abs(arb(a) - b) <= allowed for a, b in zip(given, rates, strict=True)):
-            return True
-    return False
-
-
-def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
-    try:
-        return [float(x) for x in np.asarray(f(t, np.array(y)), dtype=float).ravel()]
-    except Exception as error:  # a user's function may raise anything
-        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        if isinstance(error, TypeError) and error.__traceback__ and not error.__traceback__.tb_next:
-            raise ValueError(f"f must take (t, y) and return numbers: {said}; see functools.partial") from None
-        raise Refused(f"f fails in floats at t = {t}, on {len(y)} components: {said}") from None
 
 
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:

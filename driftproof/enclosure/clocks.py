@@ -19,6 +19,7 @@ from flint import arb
 
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Value
 from driftproof.methods.number_field import dyadic
+from driftproof.symbolic.algebra.certified import enclose
 
 # Offset and rate.
 _Line: TypeAlias = tuple[Fraction, Fraction]
@@ -113,12 +114,22 @@ class Clock(Enclosed):
         return -self + other
 
     def __mul__(self, other: object) -> Any:
+        if not self.rate and isinstance(other, Clock):
+            return other * self.offset
         return self._line_of(operator.mul, super().__mul__(other), _factors(other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: object) -> Any:
         return self._line_of(operator.truediv, super().__truediv__(other), _factors(other))
+
+    def __rtruediv__(self, other: object) -> Any:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        made, numerator = Enclosed.__truediv__(self.evaluation.enclosed(other), self), _constant(other)
+        if self.rate or numerator is None:
+            return made
+        return Clock(self.evaluation, made.value, (numerator / self.offset, Fraction(0)))
 
     def _line_of(self, operation: Callable[[Fraction, Fraction], Fraction], made: Any, other: _Line | None) -> Any:
         """The number `made` as a clock, with the operation on offsets and on rates; as it is if there is no other."""
@@ -133,6 +144,12 @@ class Clock(Enclosed):
 def exact_constant(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
     """An exact constant in a ball; comparisons of the time with a rational one are decided exactly."""
     return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)
+
+
+def exact_time(evaluation: Evaluation, ball: arb, known: Sequence[Fraction]) -> Clock:
+    """A time in a ball; of several `known` ones, one of which it is, exactly that which alone is in the ball."""
+    within = [t for t in known if ball.overlaps(enclose(t))]
+    return Clock(evaluation, ball, (within[0], Fraction(0)) if len(within) == 1 else None)
 
 
 def _line(x: object) -> _Line | None:

@@ -11,9 +11,9 @@ from typing import Any
 
 from flint import arb, ctx
 
-from driftproof.enclosure.clocks import Clock
+from driftproof.enclosure.clocks import exact_time
 from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
-from driftproof.enclosure.implicit_runs import implicit_step
+from driftproof.enclosure.implicit_runs import implicit_step, rational_nodes
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST
 from driftproof.enclosure.steps import linearised
@@ -133,19 +133,22 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
     """
     if not method.explicit:
         return implicit_step(method, f, components)
-    half = components // 2
+    half, nodes, known = components // 2, rational_nodes(method), list[Fraction]()
 
     def rates(t: arb, y: Any) -> Any:
         evaluation = Evaluation()
         state = [Enclosed(evaluation, x) for x in y]
-        return array_of(arb(x.value) for x in enclosed_rates(f, Clock(evaluation, t), state))
+        return array_of(arb(x.value) for x in enclosed_rates(f, exact_time(evaluation, t, known), state))
 
     if isinstance(method, RungeKutta):
         whole = array_step(method, rates, enclose)
-        return lambda y, t, h: tuple(whole((array_of(y),), enclose(t), enclose(h))[0])
-    halves = array_step(method, lambda t, q: rates(t, [*q, *[arb(0)] * half])[half:], enclose)
+    else:
+        halves = array_step(method, lambda t, q: rates(t, [*q, *[arb(0)] * half])[half:], enclose)
 
     def step(y: Row, t: Fraction, h: Fraction) -> Row:
+        known[:] = [t + c * h for c in nodes]
+        if isinstance(method, RungeKutta):
+            return tuple(whole((array_of(y),), enclose(t), enclose(h))[0])
         q, v = halves((array_of(y[:half]), array_of(y[half:])), enclose(t), enclose(h))
         return (*q, *v)
 
@@ -162,7 +165,7 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
     most = max(1, MOST_LOOKED_AT // max(plan.counts))
     for i in sorted({len(plan.counts) * k // most for k in range(most)}):
         t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
-        rates, slopes = linearised(plan.f, Clock(Evaluation(), enclose(t)), y)
+        rates, slopes = linearised(plan.f, exact_time(Evaluation(), enclose(t), [t]), y)
         if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
         if n > MOST_LOOKED_AT:

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from itertools import accumulate
 from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from driftproof.enclosure.clocks import Clock
+from driftproof.enclosure.clocks import exact_time
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import Evaluation, Refused, size
 from driftproof.enclosure.steps import linearised
-from driftproof.methods.schemes import Collocation, Method, RungeKutta, lagrange_integrals
+from driftproof.methods.number_field import Exact
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
 
 # Convergence is quadratic near the solution, from 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations; the others are for coming near.
@@ -42,15 +44,28 @@ def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
     return [[p(node) for p in integrals] for node in nodes], [p(arb(1)) for p in integrals], list(nodes)
 
 
+def rational_nodes(method: Method) -> list[Fraction]:
+    """All nodes of a method, each once; none if one is irrational."""
+    nodes: set[Exact] = set()
+    if isinstance(method, Splitting):
+        drifts = [c if kind == "drift" else Fraction(0) for kind, c in method.parts]
+        nodes = {*accumulate(drifts, initial=Fraction(0))}
+    elif isinstance(method, RungeKutta | Nystrom):
+        nodes = {*method.c}
+    rational = [c for c in nodes if isinstance(c, Fraction)]
+    return rational if len(rational) == len(nodes) else []
+
+
 def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, Fraction, Fraction], tuple[arb, ...]]:
     """A function step(y, t, h) -> y₁ in balls, which raises Refused."""
     assert isinstance(method, RungeKutta | Collocation)
     a, b, c = coefficient_balls(method)
-    stages = range(len(b))
+    stages, nodes = range(len(b)), rational_nodes(method)
 
     def step(y: _Row, t: Fraction, h: Fraction) -> tuple[arb, ...]:
         width = enclose(h)
         times = [enclose(t) + x * width for x in c]
+        known = [t + x * h for x in nodes]
 
         def equations(K: _Row, start: _Row) -> tuple[arb_mat, arb_mat, arb_mat]:
             """G(K) and its derivatives by K and by the start."""
@@ -58,7 +73,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
             for i in stages:
                 moved = [sum((a[i][j] * K[j * n + m] for j in stages), arb(0)) for m in range(n)]
                 at_stage = [x + width * d for x, d in zip(start, moved, strict=True)]
-                rates, rows = linearised(f, Clock(Evaluation(), times[i]), at_stage)
+                rates, rows = linearised(f, exact_time(Evaluation(), times[i], known), at_stage)
                 found += [[K[i * n + m] - rates[m]] for m in range(n)]
                 for m in range(n):
                     for k in range(n):

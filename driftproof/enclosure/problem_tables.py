@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from driftproof.enclosure.fields import RightHandSide, time_first
+from driftproof.enclosure.reproduction import reproduced_field
 from driftproof.enclosure.text_fields import field_function, given_field
 from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
@@ -52,7 +53,7 @@ def problem_table(table: TomlTable) -> ProblemTable:
     """
     require_keys(table, PROBLEM_KEYS, "a problem")
     start = _start(table)
-    return ProblemTable(_field(table, len(start)), start, _energy(table), unknowns_of_table(table))
+    return ProblemTable(_field(table, start), start, _energy(table), unknowns_of_table(table))
 
 
 class GivenTable(NamedTuple):
@@ -123,9 +124,12 @@ def _function(table: TomlTable) -> RightHandSide:
     return partial(time_first(own), **_doubles(table))
 
 
-def _field(table: TomlTable, components: int) -> VectorField:
+def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:
+    components = len(start)
     if "function" in table:
-        return field_of_function(_function(table), components)
+        f = _function(table)
+        end = rational_entry(table.get("end", 1), "end")
+        return reproduced_field(f, lambda: field_of_function(f, components), start, end)
     field = field_of_table(table)
     if len(field.rates) != components:
         raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")

@@ -49,7 +49,7 @@ class _Runs:
         names = [Enclosed(evaluation, Traced(f"y{i}", self.doubles)) for i in range(self.components)]
         found = enclosed_rates(self.f, Enclosed(evaluation, Traced("t", self.doubles)), names)
         texts = [Traced.of(rate.value, self.doubles).text for rate in found]
-        conditions = list(evaluation.known)
+        conditions = [" ".join(condition) for condition in evaluation.known]
         for at in reversed(range(len(outcomes), len(conditions))):
             others = self.rates([*list(evaluation.known.values())[:at], False])
             pairs = zip(texts, others, strict=True)
@@ -62,18 +62,23 @@ class _Tracing(Evaluation):
 
     def __init__(self, names: dict[Fraction, str], outcomes: Sequence[bool]) -> None:
         super().__init__()
-        self.names, self.outcomes, self.known = names, outcomes, dict[str, bool]()
+        self.names, self.outcomes, self.known = names, outcomes, dict[tuple[str, str, str], bool]()
 
     def constant(self, x: object) -> Traced:
+        if isinstance(x, Fraction):  # a knot of data, perhaps
+            return Traced.of_fraction(x, self.names)
         return Traced.of(super().constant(x), self.names)
 
     def decide(self, difference: Traced, at_zero: bool = False) -> bool:
         """The outcome of this run, the same each time that f asks."""
-        text = difference.text.removeprefix("(").removesuffix(" - 0)") if difference.text.endswith(" - 0)") else ""
-        condition = f"{text or difference.text} {'>=' if at_zero else '>'} 0"
+        (a, b), (sign, other) = difference.terms, (">=", ">") if at_zero else (">", ">=")
+        if (b, other, a) in self.known:  # a > b, unless b >= a
+            return not self.known[b, other, a]
+        if self.known.get((a, other, b)) is at_zero or self.known.get((b, sign, a)) is (not at_zero):
+            return at_zero  # a > b tells a >= b, and not b > a
         at = len(self.known)
         _require_few(at)  # in a loop, too, that ends by a comparison
-        return self.known.setdefault(condition, self.outcomes[at] if at < len(self.outcomes) else True)
+        return self.known.setdefault((a, sign, b), self.outcomes[at] if at < len(self.outcomes) else True)
 
 
 def _require_few(outcomes: int) -> None:
@@ -89,6 +94,7 @@ class Traced:
         if len(text) > _LONGEST_TRACE:
             raise Refused(f"f is too long as text: over {_LONGEST_TRACE} characters")
         self.text, self.doubles, self.divisor = text, doubles, divisor
+        self.terms = (text, "0")  # of a difference, its own two
 
     @classmethod
     def of(cls, x: Any, doubles: dict[Fraction, str]) -> Traced:
@@ -98,7 +104,11 @@ class Traced:
         ball = arb(x)
         if not ball.is_exact():
             raise Refused("f uses a number that is not a double")
-        value = dyadic(ball)
+        return cls.of_fraction(dyadic(ball), doubles)
+
+    @classmethod
+    def of_fraction(cls, value: Fraction, doubles: dict[Fraction, str]) -> Traced:
+        """An integer, or a parameter."""
         if value.denominator == 1 and abs(value) < _LARGEST_LITERAL:
             return cls(str(value) if value >= 0 else f"({value})", doubles)
         return cls(doubles.setdefault(value, f"double_{len(doubles)}"), doubles)
@@ -117,6 +127,8 @@ class Traced:
         """The product, or a quotient if the factor is a reciprocal."""
         return self._with("*", other)
 
+    __rmul__ = __mul__
+
     def __rtruediv__(self, other: Any) -> Traced:
         return Traced.of(other, self.doubles)._with("/", self)
 
@@ -124,7 +136,9 @@ class Traced:
         return Traced(f"(-{self.text})", self.doubles)
 
     def __sub__(self, other: Any) -> Traced:
-        return self._with("-", other)
+        difference = self._with("-", other)
+        difference.terms = (self.text, Traced.of(other, self.doubles).text)
+        return difference
 
     def whole(self) -> Traced:
         """The largest integer that is not larger."""
@@ -136,6 +150,8 @@ class Traced:
 
     def __getattr__(self, name: str) -> Callable[[], Traced]:
         """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""
+        if name.startswith("_"):
+            raise AttributeError(name)
         if name not in FUNCTIONS:
             name = "exprel" if name == "norm" else name  # it asks first whether its argument is a model with a norm
             raise Refused(f"f uses {name}; a problem may use {', '.join(FUNCTIONS)}, and certify takes other functions")

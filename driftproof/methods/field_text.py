@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -156,7 +157,8 @@ def start_of_table(table: TomlTable) -> list[Any]:
     start, rates = table.get("start"), _rates(table.get("rates", []))
     if isinstance(start, dict):
         if not isinstance(rates, dict) or set(start) != set(rates):
-            raise ValueError(f"start has the names {', '.join(start)}; rates must have the same names")
+            wanted = "a function takes a list" if "function" in table else "rates must have the same names"
+            raise ValueError(f"start has the names {', '.join(start)}; {wanted}")
         return [start[name] for name in rates]
     return [start] if isinstance(start, int | float | str) else as_list(start, "start")
 
@@ -247,9 +249,12 @@ class _Writer(tree.ExpressionParser):
                 return self._short(_WRITTEN.get(name, f"{name}({{0}})").format(self.bare_text(argument)), node.column)
             case tree.PowerNode():
                 return self._power_text(node)
-            case tree.CallNode(function=name, arguments=(one, other)) if name in _OF_TWO:
-                return self._short(_OF_TWO[name].format(self.bare_text(one), self.bare_text(other)), node.column)
-        known = f"{', '.join((*FUNCTIONS, *_WRITTEN))}, each of one argument, and {', '.join(_OF_TWO)} of two"
+            case tree.CallNode(function=name, arguments=(_, _, *more)) if name in _OF_TWO and not (
+                more and name == "mod"
+            ):
+                write = lambda one, other: self._short(_OF_TWO[name].format(one, other), node.column)
+                return str(reduce(write, map(self.bare_text, node.arguments)))
+        known = f"{', '.join((*FUNCTIONS, *_WRITTEN))}, each of one argument, max, min, and mod of two"
         raise ExpressionError(self.text, node.column, f"the functions are {known}")
 
     def _power_text(self, node: tree.PowerNode) -> str:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
+from functools import cache
 from math import hypot, inf, isfinite, nextafter
 from typing import Any, TypeAlias
 
@@ -198,18 +199,21 @@ def _change(is_bounded: Callable[[float], bool], low: float, high: float) -> tup
 
 
 def fewest_steps(is_good: Callable[[int], bool], most: int) -> int | None:
-    """An N such that N is good and N - 1 is not; 1 if all are good, and None if `most`, a power of 2, is not.
+    """An N such that N, 2N, 4N, ... up to `most` are good, and those of N - 1 are not; 1 if all are, None if none is.
 
-    All powers of 2 from N to `most` are good: halving from `most` down avoids an N that is good by luck below others
-    that are not. Bisection between the last good power of 2 and the next lower one then finds N.
+    Halving from `most`, a power of 2, down avoids an N that is good by luck below others that are not. Bisection
+    between the last good power of 2 and the next lower one then finds N.
     """
-    if not is_good(most):
-        return None
+
+    @cache
+    def lasts(steps: int) -> bool:
+        return is_good(steps) and (2 * steps > most or lasts(2 * steps))
+
     good = most
-    while good > 1 and is_good(good // 2):
+    while good > 1 and lasts(good // 2):
         good //= 2
     bad = good // 2
     while good - bad > 1:
         middle = (bad + good) // 2
-        bad, good = (bad, middle) if is_good(middle) else (middle, good)
-    return good
+        bad, good = (bad, middle) if lasts(middle) else (middle, good)
+    return good if lasts(good) else None

@@ -238,10 +238,11 @@ def stability_text(answer: Json) -> str:
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if not answer["linear"]:
-        rows = [["method", "smallest such N", "largest N tried"]]
+        rows = [["method", "N", "largest tried"]]
         for entry in entries:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
-        title = f"Observed: with N steps, 2N, ... the error at the end is below {_FOLLOWS} of the solution's size"
+        said = f"the error at the end is below {_FOLLOWS} of the solution's size; with N - 1, 2(N - 1), ... not always"
+        title = f"Observed: with N steps, 2N, 4N, ... {said}"
         return f"{title}\n\n{table(rows, right=(1, 2))}"
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:

@@ -15,7 +15,7 @@ from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.invariants import enclosed_invariant
-from driftproof.enclosure.numbers import Refused, size
+from driftproof.enclosure.numbers import TWO_RUNS, Refused, size
 from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
@@ -133,9 +133,9 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
             more = tuple((t, tuple(map(float, true[t]))) for t in sorted(between - {*times}))
             return Reference(tuple(times), digits, CERTIFIED, said, more)
         except Refused as reason:
+            refusal = Refused(str(reason).replace(TWO_RUNS, "give the problem an end before it"), reason.t)
             if reason.t is None:  # more bits lead no further
-                raise
-            refusal = reason
+                raise refusal from None
         except Uncertified:
             refusal = None
         bits = bits * 3 // 2

@@ -108,6 +108,7 @@ def test_the_first_call_with_a_velocity_of_another_time_is_told_and_how_many_are
     assert others.endswith(", and 2 more")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("calls", [40, 41])
 def test_a_method_that_is_iterated_so_many_times_is_named_and_its_long_table_left_out(calls):
     report = identify(codes.midpoint_iterated(calls - 1, first=0.5), isolate=False)

@@ -56,6 +56,7 @@ def test_json_is_canonical(answer):
     assert json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n" == text
 
 
+@pytest.mark.slow
 def test_step_of_a_thinned_run_is_exact_or_hexadecimal(own, answer):
     rows = "0,0x1p+1,0\n8,0x1.f1b40ccdb6f88p+0,0x1.4854851809a22p-2\n"
     (own / "thin.csv").write_text(rows)

@@ -95,6 +95,7 @@ def test_accuracy_is_asserted_with_the_worst_point():
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_exprel():
     """y' = 1 + y/(1 - exp(-y)) crosses y = 0 smoothly, where Hodgkin's and Huxley's rates have such quotients."""
     special = pytest.importorskip("scipy.special")
@@ -110,6 +111,7 @@ def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_exprel():
         assert abs(found.errors[2][0] - (1 - arb(mpmath.nstr(true, 28)))) < 1e-18
 
 
+@pytest.mark.slow
 def test_a_kink_is_named_and_how_to_cut_there_but_a_pole_is_none():
     kink = (
         r"^f compares numbers that are equal near t = 1;.* kink or jump .* follow it; certify the points before it and"

@@ -13,10 +13,12 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from driftproof import certify
 from driftproof.enclosure import solutions, stiff
-from driftproof.enclosure.clocks import Clock, TimeCut
+from driftproof.enclosure.clocks import Clock, TimeCut, exact_time
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.numbers import Evaluation, Refused
 from driftproof.enclosure.solutions import enclose_solution
+from driftproof.enclosure.text_fields import field_function
+from driftproof.methods.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 
@@ -35,6 +37,12 @@ JUMPS = {
     "where": (lambda t: np.where(t > 2.5, t * t, 1.0), [Fraction(5, 2)], lambda t: t * t if t > 2.5 else 1),
     "sign": (lambda t: np.sign(t - 2), [2], lambda t: 1 if t > 2 else -1),
     "heaviside": (lambda t: np.heaviside(t - 2, 0.5), [2], lambda t: int(t > 2)),
+    "of a floor": ("mod(floor(2 * t), 2)", [Fraction(k, 2) for k in range(1, 10)], lambda t: math.floor(2 * t) % 2),
+    "text": (
+        "mod(2 * t, 3) + floor(t/2 + 1/4) + 3/(2 + heaviside(t - 1))",
+        [1, Fraction(3, 2), 3, Fraction(7, 2), Fraction(9, 2)],
+        lambda t: 2 * t % 3 + math.floor(t / 2 + Fraction(1, 4)) + Fraction(3, 2 + (t >= 1)),
+    ),
     "abs": (lambda t: abs(t - 2), [2], lambda t: abs(t - 2)),
     "max": (lambda t: max(0.0, 2 - t), [2], lambda t: max(0, 2 - t)),
     "np.maximum": (lambda t: np.maximum(0.0, 2 - t), [2], lambda t: max(0, 2 - t)),
@@ -74,7 +82,8 @@ def off(found, exact):
 @pytest.mark.parametrize("name", JUMPS)
 def test_integral_of_what_jumps_is_enclosed(name):
     f, cuts, exact = JUMPS[name]
-    found = enclose_solution(lambda t, y: [f(t) + 0 * y[0]], [Fraction(0)], [Fraction(0), END])
+    rates = field_function(field_of_text([f"{f} + 0*y0"])) if isinstance(f, str) else lambda t, y: [f(t) + 0 * y[0]]
+    found = enclose_solution(rates, [Fraction(0)], [Fraction(0), END])
     assert found.radius < 1e-30
     # The ends of the pieces are taken 1e-30 of their lengths inside, where slopes are below 10.
     assert off(found, integral(exact, cuts)) < 1e-28
@@ -181,6 +190,7 @@ def test_wrong_decisions_exclude_the_solution(name, wrong, monkeypatch):
         assert not found.states[-1][0].contains(of_switched())
 
 
+@pytest.mark.slow
 def test_stiff_solution_with_jumps_is_enclosed():
     """y' = -k (y - s): 1e-5 after each jump of s by 1, exp(-k 1e-5) of the jump is left."""
     k, after = 10**6, Fraction(1, 10**6)
@@ -309,3 +319,15 @@ def test_float_run_over_jumps_is_split_into_truncation_and_rounding():
     assert abs(found.split.truncation[16][0] + enclose(Fraction(1, 48))) < 1e-6
     assert max(abs(x) for (x,) in found.split.rounding) < 1e-15
     assert y == exact
+
+
+def test_a_time_in_a_ball_is_exactly_the_one_known_time_that_it_may_be():
+    third, ball = Fraction(1, 3), enclose(Fraction(1, 3))
+    found = exact_time(Evaluation(), ball, [third, Fraction(1, 2)])
+    assert (found.offset, found.rate) == (third, 0)
+    assert not third < found <= Fraction(1, 3) - Fraction(1, 10**40)
+    for known in ([], [third, third + Fraction(1, 10**40)]):  # none, and two that are too near
+        unknown = exact_time(Evaluation(), ball, known)
+        assert unknown.rate == 1
+        with pytest.raises(Refused, match="compares numbers"):
+            _ = unknown > third

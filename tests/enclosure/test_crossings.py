@@ -70,6 +70,7 @@ CROSSING = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=5)
 @pytest.mark.parametrize("name", CROSSING)
 def test_solution_that_crosses_is_enclosed(name):
     f, start, end, exact = CROSSING[name]

@@ -14,6 +14,7 @@ from driftproof import METHODS, Facts, OscillatorRun, Refused, certify
 from driftproof.enclosure import exact_runs
 from driftproof.enclosure.exact_runs import SCIPY_SOLVERS, exact_step, named_method, plan_of
 from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.implicit_runs import rational_nodes
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from tests.enclosure.mutants import mutant
@@ -290,3 +291,27 @@ def test_a_run_of_radau_at_a_loose_tolerance_has_its_cause_named_and_another_met
         certify(prey, runs["RK45"], method="Radau")
     fine = integrate.solve_ivp(prey, (0, 5), [10, 10], method="Radau", rtol=1e-6, atol=1e-6)
     assert certify(prey, fine, method="Radau").split is not None
+
+
+SWITCHED = {
+    "rk4": Fraction(9, 10) + Fraction(1, 60) * (1 + 2 + 2 + 3) + 3,  # the last stage before t = 1 is at 1
+    "radau_iia2": Fraction(9, 10) + Fraction(1, 10) * (Fraction(3, 4) + Fraction(1, 4) * 3) + 3,
+    "implicit_midpoint": Fraction(1) + 3,
+}
+
+
+@pytest.mark.parametrize("key", SWITCHED)
+def test_a_stage_at_a_jump_is_told_from_one_beside_it_where_times_are_no_doubles(key):
+    y, h = (arb(0),), Fraction(1, 10)
+    with ctx.workprec(128):
+        step = exact_step(METHODS[key], lambda t, y: [1 if t < 1 else 3], 1)
+        for k in range(20):
+            y = step(y, k * h, h)
+        assert abs(y[0] - enclose(SWITCHED[key])) < 1e-30
+
+
+def test_nodes_are_known_where_all_are_rational():
+    assert sorted(rational_nodes(METHODS["rk4"])) == [0, Fraction(1, 2), 1]
+    assert sorted(rational_nodes(METHODS["velocity_verlet"])) == [0, 1]
+    assert rational_nodes(METHODS["nystrom4"])
+    assert [rational_nodes(METHODS[key]) for key in ("gauss2", "yoshida4")] == [[], []]

@@ -62,6 +62,10 @@ CHOICES = {
     "tank": lambda t, y: [0.5 - math.sqrt(y[0]) if y[0] > 0 else 0.5, np.clip(y[1], -1, 1)],
     "data": lambda t, y: [-y[0] + np.interp(t, [0, 1, 2.5, 4], [0.0, 1.0, 0.5, 0.0]), y[0] * (y[1] >= 0.5)],
     "where": lambda t, y: np.array([y[1], np.where(y[0] > 0.5, -1.0, np.heaviside(y[1] - t, 0))]),
+    "roots": lambda t, y: [
+        max(y[0], 0.0) ** 0.5 - max(y[1], 0) ** 1.5,
+        np.interp(y[0], [-1.3, 0.1, 0.7], [0.1, 0.3, 0.2]),
+    ],
     "in order": lambda t, y: [1.0 if -1 < y[0] <= 1 else 2.0, 0.0 if y[0] == 0.5 else y[1]],
 }
 PLACES = [
@@ -84,6 +88,22 @@ def test_all_outcomes_of_comparisons_are_in_the_text(name):
 def test_a_comparison_that_is_asked_again_has_the_same_outcome_and_rates_without_it_have_no_choice():
     field = field_of_function(lambda t, y: [y[1], max(0, y[0]) * max(0, y[0]) + max(0, y[0])], 2)
     assert field.rates == ("y1", "(((y0 * y0) + y0) if y0 > 0 else ((0 * 0) + 0))")
+
+
+def test_a_comparison_that_others_imply_is_no_choice():
+    relay = field_of_function(lambda t, y: [1.0 * (y[0] < 1) + 0.25 * (y[0] >= 1) + 4 * (y[0] > 1) * (y[0] <= 1)], 1)
+    assert relay.rates[0] == "(1 if 1 > y0 else double_0)"
+    assert field_of_function(lambda t, y: [at_most_one(y[0])], 1).rates == ("(double_0 if 1 > y0 else y0)",)
+    for t, *y in exactly(75, PLACES):
+        assert field_rate(relay)(t, y[:1]) == [1.0 if y[0] < 1 else 0.25]
+
+
+def at_most_one(x):
+    if x < 1:
+        found = 0.5
+    elif x >= 1:
+        found = x
+    return found
 
 
 def test_outcomes_are_counted():

@@ -62,19 +62,20 @@ def test_components_are_parted_by_semicolons_or_listed():
 
 def test_functions_with_kinks_and_jumps_are_choices():
     field = field_of_text(
-        "max(y0, 1 - t) + min(2 y0, t); sign(y1) + heaviside(t - 1) * floor(t) - mod(t + 1/4, 1/2 + 1)"
+        "max(y0, 1 - t, -3) + min(2 y0, t); sign(y1) + heaviside(t - 1) * floor(t) - mod(t + 1/4, 1/2 + 1)"
     )
     assert not field.smooth
     rate, chosen = field_rate(field), [(0.0, -2.0, 3.0), (0.5, 0.25, 0.0), (1.0, 7.0, -1.0), (3.5, 0.0, 0.5)]
     for t, q, v in exactly(4, chosen):
         rest = np.sign(v) + np.heaviside(t - 1, 1) * np.floor(t) - (t + 0.25) % 1.5
-        assert rate(t, (q, v)) == [max(q, 1 - t) + min(2 * q, t), rest]
+        assert rate(t, (q, v)) == [max(q, 1 - t, -3) + min(2 * q, t), rest]
 
 
 REFUSED = {
-    "erf(y0)": r"column 1: the functions are sin, .*, sign, heaviside, each of one argument, and max, min, mod of two",
+    "erf(y0)": r"column 1: the functions are sin, .*, sign, heaviside, each of one argument, max, min, and mod of",
     "sin(y0, t)": r"column 1: the functions are",
     "max(y0)": r"column 1: the functions are",
+    "mod(y0, 2, 3)": r"column 1: the functions are",
     "y0^(1/3)": r"column 1: an exponent must be a multiple of 1/2",
     "y; y1": r"rate 0, 'y': 'y' is not allowed",
     "y0; ": r"the right-hand side is empty",

@@ -30,6 +30,7 @@ def robertson(t, y):
     return [back - slow, slow - back - fast, fast]
 
 
+@pytest.mark.slow(keep=12)
 @pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
 def test_a_step_of_the_oscillator_is_that_of_the_exact_matrix_up_to_rounding(method):
     for h in (0.25, -0.5):

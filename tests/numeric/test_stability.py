@@ -158,6 +158,16 @@ def test_what_is_good_by_luck_is_not_taken() -> None:
     assert fewest_steps(lambda n: n == 8, 1024) is None
 
 
+def test_fewest_steps_are_so_many_that_all_their_doubles_are_good() -> None:
+    """As on a problem with jumps: errors of rk4 with 52 steps, twice as many, ..., where 104 were too few."""
+    bad = {104, 160, 332}
+    found = fewest_steps(lambda n: n >= 33 and n not in bad, 1024)
+    assert found is not None
+    assert not bad & {found << k for k in range(6)}
+    assert any((found - 1) << k in bad or (found - 1) << k < 33 for k in range(6))
+    assert fewest_steps(lambda n: n >= 33 and n not in {66, 70, 136}, 64) == 33  # twin: beyond what is tried
+
+
 LINEAR = ("harmonic_oscillator", "stiff_oscillator", "dahlquist_1e3", "separated_oscillators")
 CHOSEN = ("rk4", "kutta3", "dormand_prince54", "symplectic_euler", "velocity_verlet", "yoshida4", "ruth3", "nystrom4")
 

@@ -173,6 +173,7 @@ def test_errors_stand_beside_the_size_of_the_solution(answer):
     assert "error 306\n" in out
 
 
+@pytest.mark.slow
 def test_the_size_of_a_solution_is_not_that_at_times_a_whole_period_of_its_force_apart():
     """y = sin 2πt is 0 at the reference's times; rk4 in 1000 steps was lost. The solution 0 has no size."""
     forced = {"rates": "-3*(y - sin(2*pi*t)) + 2*pi*cos(2*pi*t)", "start": 0, "end": 20}

@@ -24,6 +24,9 @@ from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
+KINKED = "f has kinks or jumps"
+# Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
+_EXPLAINED = {"order reduction": ("below",), KINKED: ("below", "not settled")}
 # Characters of a step size that is shown as a fraction.
 _LONGEST_STEP = 12
 _Key = TypeVar("_Key")
@@ -193,12 +196,12 @@ def _head(study: Study) -> str:
         f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
         f"Half a unit of its last digits: {digits:.1e}\n"
         f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
+        + ("" if problem.field.smooth else f"\n{KINKED}: methods keep their orders only if steps end there")
     )
 
 
 def _reduces(problem: Problem) -> str:
-    """Why methods may have a lower order on the problem than on smooth ones, if they may."""
-    return "order reduction" if problem.stiff else "" if problem.field.smooth else "f has kinks or jumps"
+    return "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
 
 
 def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, int | str] = {}) -> list[list[str]]:
@@ -207,7 +210,7 @@ def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, int |
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
-        reduced = f": {reduces}" * (curve.verdict.startswith("below") and bool(reduces))
+        reduced = f": {reduces}" * curve.verdict.startswith(_EXPLAINED.get(reduces, ()))
         least = _least_error(curve)
         rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows

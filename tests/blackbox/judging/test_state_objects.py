@@ -125,6 +125,7 @@ def test_the_objects_of_a_small_domain_are_asked_within_it(array, as_before):
     as_before(said, asked)
 
 
+@pytest.mark.slow
 def test_the_verdict_is_that_of_the_object_and_says_which(as_before):
     verdicts = []
     for name in ("a buffer of stages", "arrays alone", "lists alone", "(v, q)"):

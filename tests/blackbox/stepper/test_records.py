@@ -188,6 +188,7 @@ def verlet_run(acc, x0, v0, dt, steps, stale=False):
     return x, v
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize("stale", [False, True])
 @pytest.mark.parametrize("names", ["x v t", "t x v", "x v"])
 @pytest.mark.parametrize("rows", [True, False])

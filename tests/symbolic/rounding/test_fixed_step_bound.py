@@ -157,6 +157,7 @@ def test_a_power_of_two_step_is_known_to_multiply_exactly():
     assert third > 2 * BINARY64.relative_error / 4
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize("key", IRRATIONAL)
 def test_it_holds_around_the_exact_map_over_a_field_and_a_planted_error_of_1e_13_leaves_it(key: str):
     method, draw, left = METHODS[key], random.Random(3), 0

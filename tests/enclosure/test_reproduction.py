@@ -1,0 +1,78 @@
+"""What is enclosed is compared with what floats compute, and functions that are not functions of (t, y) are refused."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.problem_tables import problem_table
+from driftproof.enclosure.reproduction import NotReproduced, reproduced_field, require_reproduced
+from driftproof.enclosure.traced_fields import field_of_function
+
+
+class Breaker:
+    """Switches off above 2, for good."""
+
+    def __init__(self):
+        self.tripped = False
+
+    def __call__(self, t, y):
+        self.tripped = self.tripped or bool(y[0] > 2)
+        return [-y[0] if self.tripped else 1.0]
+
+
+class Clocked:
+    """Remembers the last time."""
+
+    def __init__(self):
+        self.last = 0.0
+
+    def __call__(self, t, y):
+        past, self.last = self.last, t
+        return [t - past]
+
+
+NOISE = np.random.default_rng(5)
+OTHERS = {
+    "by type": lambda t, y: [1.0] if isinstance(t, float) else [2.0],
+    "by scalar": lambda t, y: [1.0 if np.isscalar(t) else 7.0],
+    "breaker": Breaker(),
+    "clocked": Clocked(),
+    "noise": lambda t, y: [NOISE.uniform() - y[0]],
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_a_problem_whose_text_would_be_another_function_is_refused(name):
+    with pytest.raises(NotReproduced, match=r"in floats is .* but its enclosure is|in a second call"):
+        problem_table({"function": OTHERS[name], "start": ["1"], "end": "4"})
+
+
+FUNCTIONS = {
+    "tank": (lambda t, y: [0.5 - np.sqrt(y[0])], ["0"]),
+    "logarithm": (lambda t, y: [np.log(y[0]) / (t - 1)], ["1/2"]),
+    "relay": (lambda t, y: [1.0 if y[0] < 1 else 0.25, y[0] * (t % 1 < 0.5)], ["1", "0"]),
+    "large": (lambda t, y: [1e200 * y[0], y[1] / (1 + y[0] ** 2)], ["1e-190", "1"]),
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_twin_a_function_is_its_text_where_it_has_values(name):
+    f, start = FUNCTIONS[name]
+    assert len(problem_table({"function": f, "start": start, "end": "2"}).field.rates) == len(start)
+
+
+def test_points_of_a_run_need_values_and_places_around_a_start_do_not():
+    root, other = (lambda t, y: [np.sqrt(y[0])]), (lambda t, y: [np.sqrt(y[0]) * (1 + 2.0**-20)])
+    made = lambda: field_of_function(root, 1)
+    with pytest.raises(Refused, match="f or its derivative is not finite"):
+        require_reproduced(root, enclosable(root), [0.0], [[0.0]])
+    assert reproduced_field(root, made, [Fraction(0)], Fraction(1)).rates == ("sqrt(y0)",)
+    with pytest.raises(NotReproduced, match="f in floats is"):
+        require_reproduced(other, enclosable(root), [0.0], [[2.0]])
+    with pytest.raises(NotReproduced, match="f in floats is"):
+        reproduced_field(other, made, [Fraction(0)], Fraction(1))
