@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 4016,
     "blackbox": 21193,
-    "enclosure": 4462,
+    "enclosure": 4467,
     "texts": 9865,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5904

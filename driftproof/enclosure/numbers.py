@@ -294,6 +294,9 @@ class Enclosed:
     def __mod__(self, o: Enclosed) -> Any:
         return self - floor(self / o) * o
 
+    def __divmod__(self, other: object) -> Any:
+        return self // other, self % other
+
     def _rounded(self, *_: object) -> Any:
         written = hasattr(self.value, "whole")
         said = "a problem may use math.floor and %" if written else "which is enclosed of the time alone"

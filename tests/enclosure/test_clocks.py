@@ -50,6 +50,7 @@ JUMPS = {
     "falling remainder": (lambda t: np.mod(1 - t, 2), [1, 3], lambda t: (1 - t) % 2),
     "pulses": (lambda t: 1.0 if t % 2 < 0.5 else 0.0, [Fraction(k, 2) for k in (1, 4, 5, 8, 9)], lambda t: t % 2 < 0.5),
     "whole periods": (lambda t: t // 2, [2, 4], lambda t: t // 2),
+    "divmod": (lambda t: divmod(t, 2)[0] * divmod(t, 2)[1], [2, 4], lambda t: t // 2 * (t % 2)),
     "int": (lambda t: [3, 1, 4, 1, 5][int(t)], [1, 2, 3, 4], lambda t: [3, 1, 4, 1, 5][int(t)]),
     "int of both signs": (lambda t: int(t - 2), [1, 2, 3, 4], lambda t: int(t - 2)),
     "math.floor": (lambda t: math.floor(t) * t, [1, 2, 3, 4], lambda t: math.floor(t) * t),

@@ -56,6 +56,10 @@ FUNCTIONS = {
     "tank": (lambda t, y: [0.5 - np.sqrt(y[0])], ["0"]),
     "logarithm": (lambda t, y: [np.log(y[0]) / (t - 1)], ["1/2"]),
     "relay": (lambda t, y: [1.0 if y[0] < 1 else 0.25, y[0] * (t % 1 < 0.5)], ["1", "0"]),
+    "near a border": (
+        lambda t, y: [1.0 if y[0] / 10 < 0.1 else 0.25, np.log(y[1]) if y[1] / 10 > 0.3 else 0.0],
+        ["1", "3"],
+    ),
     "large": (lambda t, y: [1e200 * y[0], y[1] / (1 + y[0] ** 2)], ["1e-190", "1"]),
 }
 
