@@ -147,6 +147,7 @@ def test_links_in_a_circle_are_refused_by_name(refusal, tmp_path):
 FOREIGN = "\x1b[2J\x9b31m\u202e\x07"
 
 
+@pytest.mark.slow
 def test_foreign_text_has_no_say_over_the_terminal(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)

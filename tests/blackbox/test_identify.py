@@ -149,6 +149,7 @@ def _faults(report):
 TABLE = 'family = "runge_kutta"\nclaimed_order = 3\nA = [[0], ["1/2", 0], [0, "3/4", 0]]\nb = ["2/9", "1/3", "4/9"]\n'
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(("change", "verdict", "answered"), [
     (("4/9", "4/9"), "it is ralston3", True),
     (("4/9", "1/3"), "it is ralston3 except for b[2]: 1/3 instead of 4/9", True),

@@ -150,6 +150,7 @@ def test_processes_of_a_hanging_stepper_are_ended_with_it():
     assert threading.active_count() == 1
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("way", WAYS)
 def test_what_a_stepper_prints_and_warns_of_is_neither_shown_nor_read(way, capfd):
     assert outcome(broken_steppers.prints, way).result == (1.1875, 0.5)

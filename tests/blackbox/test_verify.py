@@ -356,6 +356,7 @@ print(verify("tests.blackbox.test_verify:scribbling", "symplectic_euler", exampl
 """
 
 
+@pytest.mark.slow
 def test_code_that_writes_into_the_pipe_to_us_is_undecided_and_told_what_to_leave_alone(fresh_python):
     """In a process of its own: it would write into the pipes of pytest's workers as well."""
     _, verdict, *lines = fresh_python(SCRIBBLED).splitlines()

@@ -265,6 +265,7 @@ def sample(method: Method, places: list[Any]) -> list[Any]:
     return places[:: 7 if len(coefficients(method)) > 1000 else 1]
 
 
+@pytest.mark.slow(keep=12)
 @REPRESENTATIVES
 def test_each_coefficient_off_by_1e_14_is_noticed_zeros_included(key: str) -> None:
     """An entry of A on or above the diagonal makes an explicit method implicit, which says all."""

@@ -96,6 +96,7 @@ def test_refusal_is_one_line(words, refusal):
 SIMPLE = ["run rk4 h=1/4 t=10 : state_error", "order rk4", "exact t=1 : q"]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("question", SIMPLE)
 def test_simple_questions_load_neither_sympy_nor_numpy(question, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main(['value', {question!r}])")

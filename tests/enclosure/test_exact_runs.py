@@ -39,6 +39,7 @@ def classical(f, start, h, steps, number=np.float64):
     return times, np.array(rows)
 
 
+@pytest.mark.slow
 def test_pendulum_of_classical_rk4_to_eight():
     """4096 steps of 1/512, of which the ends are given: binary64, NumPy's sine."""
     end = [float.fromhex(x) for x in ("0x1.f1b40ccdb6f88p+0", "0x1.4854851809a22p-2")]

@@ -107,6 +107,7 @@ def robertson(t, y):
     return [-made, made - spent, spent]
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", ["radau_iia2", "backward_euler", "tr_bdf2", "sdirk4"])
 def test_of_two_solutions_stiff_stages_have_that_of_float_runs_and_balls_contract(key):
     """Newton's method from the slopes f(t, y) comes to negative concentrations, in balls 8 times as wide a step."""

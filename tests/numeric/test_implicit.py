@@ -170,6 +170,7 @@ def test_singular_newton_matrices_are_an_error():
         implicit_stepper(BACKWARD_EULER, lambda t, y: 2 * y, lambda t, y: [[2.0]])(0.0, [1.0], 0.5)
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "gauss6", "qin_zhang2"])
 def test_methods_that_keep_quadratic_invariants_keep_those_of_a_rigid_body(key):
     """2y₀² + y₁² and y₀² - y₂², of size at most 3: what a step leaves is below 1000u; 100 steps of them."""

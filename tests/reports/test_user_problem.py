@@ -250,6 +250,7 @@ def test_pole_before_the_end_is_refused(tmp_path):
         problem_given(str(tmp_path / "mine.toml"))
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(
     ("energy", "change"),
     [

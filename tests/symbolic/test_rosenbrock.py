@@ -62,6 +62,7 @@ def rate(method, wrong=0.0, weights=None, steps=40):
     return log2(np.linalg.norm(first - second) / np.linalg.norm(second - third))
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("key", EVERY)
 def test_orders_are_those_claimed_and_those_measured(key):
     method, facts = EVERY[key], RosenbrockFacts(EVERY[key])

@@ -32,6 +32,7 @@ def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
     assert len({seen.key for seen in found}) == len(found) >= len(CHECKS)
 
 
+@pytest.mark.slow
 def test_no_explicit_method_of_the_catalogue_has_a_fault():
     explicit = some([key for key, method in METHODS.items() if method.explicit][::3], 27)
     assert [key for key in explicit for seen in some(habits.results_of(float_stepper(key))) if seen.is_fault] == []

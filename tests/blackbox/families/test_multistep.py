@@ -165,6 +165,7 @@ CHECKS = [
 ]
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize(("made", "key", "lines"), CHECKS, ids=range(len(CHECKS)))
 def test_each_check_shows_its_evidence(made, key, lines):
     assert lines in verify(made.step, key, isolate=False).text().replace("\n  ", "|").replace("\n", "|")

@@ -286,6 +286,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow(keep=12)
 @pytest.mark.parametrize("name", RIGHT)
 def test_a_right_step_of_another_system_is_undecided_and_told_which_system_it_is(name):
     step, method, words, *options = RIGHT[name]
@@ -297,7 +298,7 @@ def test_a_right_step_of_another_system_is_undecided_and_told_which_system_it_is
     assert "a right-hand side or a force among its arguments" in report.section("What would decide it").lines[0]
 
 
-@pytest.mark.slow(keep=6)
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize("name", WRONG)
 def test_a_step_that_is_wrong_on_its_own_system_fails(name):
     step, method, words, *options = WRONG[name]
@@ -310,7 +311,7 @@ def test_a_right_step_with_the_system_as_an_argument_passes():
     assert verify(lambda f, t, y, h: rk4_of(lambda t, y: f(t, y))(y, t, h), "rk4", examples=50, isolate=False).passed
 
 
-@pytest.mark.slow(keep=2)
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("step", "answered", "words"),
     [

@@ -255,6 +255,7 @@ PASTED = {
 }
 
 
+@pytest.mark.slow(keep=10)
 @pytest.mark.parametrize("name", PASTED)
 def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_works(name):
     names = namespace(PLAIN)

@@ -166,6 +166,7 @@ def pair_of_heun(f, t, y, h):
     return y + h / 2 * (k1 + k2), h / 2 * (k2 - k1)
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("named", [dict, SimpleNamespace, make_dataclass("Result", ["y_new", "err", "nfev"])])
 @pytest.mark.parametrize(
     ("share", "said"), [(1.0, "is heun_euler21 to roundoff"), (2.0, "the error estimate is 2 times")]

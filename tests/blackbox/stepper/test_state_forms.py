@@ -129,6 +129,7 @@ def test_an_answer_that_holds_no_state_is_its_own_mistake(answer):
         opened(lambda y, h: answer)
 
 
+@pytest.mark.slow
 def test_code_compiled_by_numba_calls_what_it_is_given_each_time():
     pytest.importorskip("numba")
     style = next(style for style in STYLES if style.title == "Compiled Numba code")

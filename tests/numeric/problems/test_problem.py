@@ -110,6 +110,7 @@ def agree(found: Sequence[arb], stored: Sequence[str]) -> bool:
     return all(abs(a / ball(Fraction(b)) - 1) < arb(10) ** -15 for a, b in zip(found, stored, strict=True))
 
 
+@pytest.mark.slow(keep=1)
 # Not on the fast components, which forget.
 @pytest.mark.parametrize(
     ("name", "slow"), [("van_der_pol_1e6", 0), pytest.param("hires", 4, marks=pytest.mark.long), ("oregonator", 2)]

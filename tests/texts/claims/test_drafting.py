@@ -151,6 +151,7 @@ BDF2 is A-stable, and classical RK4 is not symplectic.
 """
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize(
     ("right", "wrong", "said"),
     [

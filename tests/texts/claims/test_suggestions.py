@@ -358,6 +358,7 @@ Going from 0.25 to 0.125 divides the error of RK4 by 15.81; the observed orders 
 """
 
 
+@pytest.mark.slow
 def test_an_observed_order_is_the_logarithm_of_the_ratio_of_errors_of_the_two_step_sizes():
     claimed, slips = claims_and_slips(HALVED.format("3.983"))
     for spelled, method in (("1.108", "forward_euler"), ("1.993", "heun2"), ("3.983", "rk4")):
@@ -477,6 +478,7 @@ def _found(text):
 BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at t = 4, with h = 0.1:\n\n"
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize(
     "said",
     [

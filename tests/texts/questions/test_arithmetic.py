@@ -111,6 +111,7 @@ def test_what_is_computed_from_a_bound_is_a_bound_or_refused(text):
         assert value(f"pi * {BOUND}").digits(3) == "7.53"  # 7.5247, rounded up
 
 
+@pytest.mark.slow
 def test_remarks_stay_with_what_is_computed_and_are_not_repeated():
     order = "order dormand_prince853"
     asked = [text.format(order, order) for text in ("2 * {}", "1 - {}", "-({})", "sqrt({})", "({}) ** 2", "{} + {}")]

@@ -70,6 +70,7 @@ def test_any_mutated_question_is_answered_or_refused(text):
     answer_or_refuse(text)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)  # a difference of equal numbers takes a while to be refused
 @given(st.sampled_from(QUESTIONS), st.sampled_from(QUESTIONS), st.sampled_from("+-*/"), st.integers(-70, 70))
 def test_any_two_questions_in_arithmetic_are_answered_or_refused(a, b, sign, power):
