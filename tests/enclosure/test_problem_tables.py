@@ -50,10 +50,7 @@ REFUSED = {
     r"start\[0\] is sin\(pi/6\)\*2\*pi; write .*, such as 3\.1415926535897": {"start": ["sin(pi/6)*2*pi"]},
     r"start\[0\]: 'sin\(t\)', column 1: 'sin' is not a function": {"start": ["sin(t)"]},
     "give either rates or function, not both": {"start": [0], "rates": ["y0"], "function": "m:f"},
-    "function is int, which cannot be called": {
-        "start": [0],
-        "function": "sys:maxsize",
-    },
+    "function is int, which cannot be called": {"start": [0], "function": "sys:maxsize"},
     "start has 2 entries, but the rates need 1": {"start": [1, 2], "rates": ["y0"]},
     r"start\[0\] is \[1\]; write a number": {"start": [[1]], "rates": ["y0"]},
     "a problem has no key 'width'; its keys are rates": {"start": [1], "rates": ["y0"], "width": 2},

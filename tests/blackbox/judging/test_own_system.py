@@ -240,11 +240,7 @@ RIGHT = {
         "symplectic_euler",
         "v' = -15 q - 0.1 v: steps of symplectic_euler on it are not",
     ),
-    "all numbers of an object": (
-        stepper_of(Lorenz, state="state", advance=moved),
-        "rk4",
-        "one of 3 numbers",
-    ),
+    "all numbers of an object": (stepper_of(Lorenz, state="state", advance=moved), "rk4", "one of 3 numbers"),
     "bodies of an object": (bodies(), "velocity_verlet", "one of 12 numbers"),
     "bodies made anew": (bodies(anew=True), "velocity_verlet", "one of 12 numbers"),
     "too slow to see": (

@@ -121,21 +121,11 @@ def test_a_hang_and_a_refusal_are_told():
 
 HELD = {
     "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54"),
-    "another": (
-        adaptive("dormand_prince54", exponent=0.2),
-        "cash_karp54",
-        False,
-        "is not cash_karp54; it advances",
-    ),
+    "another": (adaptive("dormand_prince54", exponent=0.2), "cash_karp54", False, "is not cash_karp54; it advances"),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
-    "of three": (
-        by_number(adams_bashforth2),
-        "adams_bashforth3",
-        False,
-        "is not adams_bashforth3; it advances",
-    ),
+    "of three": (by_number(adams_bashforth2), "adams_bashforth3", False, "is not adams_bashforth3; it advances"),
     "without an answer": (lambda *_: 7, "rk4", False, "gives no answer"),
 }
 

@@ -237,11 +237,7 @@ PASTED = {
     "of_span": ("f, t, y, h", "return of_span(f, [t, t + h], y, 1)[1][-1]", FORWARD),
     "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
     "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
-    "of_module": (
-        "f, t, y, h",
-        'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)',
-        "forward_euler",
-    ),
+    "of_module": ("f, t, y, h", 'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)', "forward_euler"),
     "bodies": (
         "force, q, v, h",
         'bodies.__globals__["getAcc"] = lambda q, *rest: force(q); run = bodies(q, v, 1.0, h, h); '

@@ -600,12 +600,7 @@ def test_kutta_in_a_row_is_the_third_order_method_where_the_text_names_it(named,
 
 
 @pytest.mark.parametrize(
-    ("ab2", "ab3", "slips"),
-    [
-        ("5/12", "3/8", []),
-        ("3/8", "5/12", [["5/12"], ["3/8"]]),
-        ("-5/12", "-3/8", []),
-    ],
+    ("ab2", "ab3", "slips"), [("5/12", "3/8", []), ("3/8", "5/12", [["5/12"], ["3/8"]]), ("-5/12", "-3/8", [])]
 )
 def test_facts_exchanged_between_two_rows_are_slips_and_another_sign_is_a_convention(ab2, ab3, slips):
     text = f"| method | error constant |\n|---|---|\n| AB2 | {ab2} |\n| AB3 | {ab3} |\n| AB4 | 251/720 |"
