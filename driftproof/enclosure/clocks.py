@@ -19,7 +19,6 @@ from flint import arb
 
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Value
 from driftproof.methods.number_field import dyadic
-from driftproof.symbolic.algebra.certified import enclose
 
 # Offset and rate.
 _Line: TypeAlias = tuple[Fraction, Fraction]
@@ -146,9 +145,9 @@ def exact_constant(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
     return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)
 
 
-def exact_time(evaluation: Evaluation, ball: arb, known: Sequence[Fraction]) -> Clock:
-    """A time in a ball; of several `known` ones, one of which it is, exactly that which alone is in the ball."""
-    within = [t for t in known if ball.overlaps(enclose(t))]
+def exact_time(evaluation: Evaluation, ball: arb, known: Sequence[tuple[Fraction, arb]]) -> Clock:
+    """A time in a ball; of several `known` ones with their balls, one of which it is, that which alone overlaps it."""
+    within = [t for t, its in known if ball.overlaps(its)]
     return Clock(evaluation, ball, (within[0], Fraction(0)) if len(within) == 1 else None)
 
 

@@ -133,7 +133,7 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
     """
     if not method.explicit:
         return implicit_step(method, f, components)
-    half, nodes, known = components // 2, rational_nodes(method), list[Fraction]()
+    half, nodes, known = components // 2, rational_nodes(method), list[tuple[Fraction, arb]]()
 
     def rates(t: arb, y: Any) -> Any:
         evaluation = Evaluation()
@@ -146,7 +146,7 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
         halves = array_step(method, lambda t, q: rates(t, [*q, *[arb(0)] * half])[half:], enclose)
 
     def step(y: Row, t: Fraction, h: Fraction) -> Row:
-        known[:] = [t + c * h for c in nodes]
+        known[:] = [(at, enclose(at)) for at in (t + c * h for c in nodes)]
         if isinstance(method, RungeKutta):
             return tuple(whole((array_of(y),), enclose(t), enclose(h))[0])
         q, v = halves((array_of(y[:half]), array_of(y[half:])), enclose(t), enclose(h))
@@ -165,7 +165,7 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
     most = max(1, MOST_LOOKED_AT // max(plan.counts))
     for i in sorted({len(plan.counts) * k // most for k in range(most)}):
         t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
-        rates, slopes = linearised(plan.f, exact_time(Evaluation(), enclose(t), [t]), y)
+        rates, slopes = linearised(plan.f, exact_time(Evaluation(), enclose(t), [(t, enclose(t))]), y)
         if isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, rates, slopes)
         if n > MOST_LOOKED_AT:

@@ -65,7 +65,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
     def step(y: _Row, t: Fraction, h: Fraction) -> tuple[arb, ...]:
         width = enclose(h)
         times = [enclose(t) + x * width for x in c]
-        known = [t + x * h for x in nodes]
+        known = [(at, enclose(at)) for at in (t + x * h for x in nodes)]
 
         def equations(K: _Row, start: _Row) -> tuple[arb_mat, arb_mat, arb_mat]:
             """G(K) and its derivatives by K and by the start."""

@@ -62,12 +62,13 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
     texts = [ast.unparse(trees.visit(ast.parse(rate, mode="eval"))) for rate in rates]
     exact: list[Exact] = [*map(Fraction, trees.numbers), *(value for _, value in field.parameters)]
     names = [*trees.numbers.values(), *(name for name, _ in field.parameters)]
+    smooth = field.smooth
 
     def numbers(t: Any) -> list[Any]:
         if isinstance(t, Fraction):
             return list(exact)
         balls = [enclose(x) for x in exact]
-        if isinstance(t, Enclosed) and not field.smooth:  # where the time is compared with them, as exact constants
+        if isinstance(t, Enclosed) and not smooth:  # where the time is compared with them, as exact constants
             return [exact_constant(t.evaluation, x, ball) for x, ball in zip(exact, balls, strict=True)]
         if isinstance(t, Enclosed):
             return [Enclosed(t.evaluation, ball) for ball in balls]

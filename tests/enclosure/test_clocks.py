@@ -324,11 +324,11 @@ def test_float_run_over_jumps_is_split_into_truncation_and_rounding():
 
 def test_a_time_in_a_ball_is_exactly_the_one_known_time_that_it_may_be():
     third, ball = Fraction(1, 3), enclose(Fraction(1, 3))
-    found = exact_time(Evaluation(), ball, [third, Fraction(1, 2)])
+    found = exact_time(Evaluation(), ball, [(x, enclose(x)) for x in (third, Fraction(1, 2))])
     assert (found.offset, found.rate) == (third, 0)
     assert not third < found <= Fraction(1, 3) - Fraction(1, 10**40)
     for known in ([], [third, third + Fraction(1, 10**40)]):  # none, and two that are too near
-        unknown = exact_time(Evaluation(), ball, known)
+        unknown = exact_time(Evaluation(), ball, [(x, enclose(x)) for x in known])
         assert unknown.rate == 1
         with pytest.raises(Refused, match="compares numbers"):
             _ = unknown > third

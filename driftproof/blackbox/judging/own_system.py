@@ -208,9 +208,9 @@ class OwnSteps:
 
     @property
     def _words(self) -> str:
-        names = getattr(self.subject.function, "state_names", ("q", "v"))
         if self.size > 2:
             return f"one of {self.size} numbers"
+        names = getattr(self.subject.function, "state_names", ("q", "v"))
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
