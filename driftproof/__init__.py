@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from driftproof.blackbox.verify import verify as verify
     from driftproof.enclosure.certify import assert_accurate as assert_accurate
     from driftproof.enclosure.certify import certify as certify
-    from driftproof.enclosure.numbers import Refused as Refused
+    from driftproof.enclosure.evaluations import Refused as Refused
     from driftproof.methods.catalogue import METHODS as METHODS
     from driftproof.methods.families import FAMILIES as FAMILIES
     from driftproof.methods.schemes import RungeKutta as RungeKutta

@@ -66,19 +66,19 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5491,
+    "methods": 5512,
     "symbolic": 10721,
     "numeric": 4016,
     "blackbox": 21193,
-    "enclosure": 4467,
-    "texts": 9865,
+    "enclosure": 4616,
+    "texts": 9866,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5904
+BUDGET_OF_REPORTS_AND_FRONT = 5905
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
 # implicit steps as engineers write them, and steps and solvers as they stand in public code.
-TESTS_PER_LINE_OF_SOURCE = Fraction(957, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(958, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

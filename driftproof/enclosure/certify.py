@@ -13,10 +13,11 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import Refused, size
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
 from driftproof.enclosure.reproduction import require_reproduced
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution

@@ -17,7 +17,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb
 
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Value
+from driftproof.enclosure.evaluations import Evaluation, Refused, Value
+from driftproof.enclosure.numbers import Enclosed, enclosed
 from driftproof.methods.number_field import dyadic
 
 # Offset and rate.
@@ -63,40 +64,28 @@ class Clock(Enclosed):
         if self.evaluation.span is not None:
             rising = 1 if self.rate > 0 else -1
             return -rising if _is_ahead(-self.offset / self.rate, self.evaluation.span) else rising
-        return 1 if self.evaluation.decide(self.value) else -1
+        return 1 if self.evaluation.decide(self.value, arb(0)) else -1
 
     def __floor__(self) -> int:
         """The integer k with k <= self < k + 1, on the whole span but for its ends. Raises TimeCut if it changes."""
         if not self.rate:
             return floor(self.offset)
         if (span := self.evaluation.span) is None:
-            values = self.value if isinstance(self.value, arb) else self.value.range()
-            if (unique := values.floor().unique_fmpz()) is None:
-                raise Refused(f"f takes the floor of a number near {float(values.mid()):.9g}")
-            return int(unique)
+            return self.evaluation.floor(self.value)
         first = self.offset + self.rate * span[0]
         k = floor(first) if self.rate > 0 else ceil(first) - 1
         # Raises where the next integer is reached in the span.
         _is_ahead((k + (self.rate > 0) - self.offset) / self.rate, span)
         return k
 
-    def __ceil__(self) -> int:
-        return -floor(-self)
-
-    def __trunc__(self) -> int:
-        return floor(self) if self > 0 else ceil(self)
-
-    __int__ = __trunc__
-
-    def __round__(self, digits: None = None) -> int:
-        return round(self.offset) if not self.rate else floor(self + Fraction(1, 2))
+    def __round__(self, digits: int | None = None) -> Any:
+        return super().__round__(digits) if self.rate or digits is not None else round(self.offset)
 
     def __floordiv__(self, other: object) -> Any:
-        return NotImplemented if (of := _constant(other)) is None else floor(self / of)
+        return super().__floordiv__(other) if (of := _constant(other)) is None else floor(self / of)
 
     def __mod__(self, other: object) -> Any:
-        """The remainder, by Python's rule: it has the sign of the divisor."""
-        return NotImplemented if (of := _constant(other)) is None else self - floor(self / of) * of
+        return super().__mod__(other) if (of := _constant(other)) is None else self - floor(self / of) * of
 
     def __add__(self, other: object) -> Any:
         return self._line_of(operator.add, super().__add__(other), _line(other))
@@ -125,7 +114,7 @@ class Clock(Enclosed):
     def __rtruediv__(self, other: object) -> Any:
         if isinstance(other, np.ndarray):
             return NotImplemented
-        made, numerator = Enclosed.__truediv__(self.evaluation.enclosed(other), self), _constant(other)
+        made, numerator = Enclosed.__truediv__(enclosed(self.evaluation, other), self), _constant(other)
         if self.rate or numerator is None:
             return made
         return Clock(self.evaluation, made.value, (numerator / self.offset, Fraction(0)))
@@ -182,13 +171,24 @@ def _is_ahead(crossing: Fraction, span: tuple[Fraction, Fraction | None]) -> boo
 
 
 def interpolated(
-    x: Enclosed, xp: Sequence[float], fp: Sequence[float], left: float | None = None, right: float | None = None
+    x: Enclosed,
+    xp: Sequence[float],
+    fp: Sequence[float],
+    left: float | None = None,
+    right: float | None = None,
+    period: float | None = None,
 ) -> Any:
     """numpy.interp at a number: the line through the two points around x, `left` and `right` beyond the first and last.
 
-    The slope is exact, where NumPy rounds it.
+    The slope is exact, where NumPy rounds it. With a period, both x and the points are taken modulo it.
     """
     knots, values = _exact(xp), _exact(fp)
+    if period is not None:
+        whole = Fraction(period)
+        within = sorted(zip([k % whole for k in knots], values, strict=True))
+        (first, its), (last, other) = within[0], within[-1]
+        knots, values = zip((last - whole, other), *within, (first + whole, its), strict=True)
+        x = x % whole
     i = bisect_right(knots, x)
     if i == 0:
         return values[0] if left is None else left

@@ -15,8 +15,8 @@ import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock
+from driftproof.enclosure.evaluations import Evaluation
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Evaluation
 from driftproof.enclosure.steps import linearised
 from driftproof.symbolic.algebra.certified import enclose
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 
 # An error that grows or decays by more than e² in a step is fast. 18 stages resolve e² to the digits of a double.
 FAST = 2.0

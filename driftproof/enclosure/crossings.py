@@ -7,16 +7,19 @@ sides of its comparisons, on a cone that the solution cannot leave. Behind the w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_poly, ctx
 
+from driftproof.enclosure.branches import Branching, on_all_branches
 from driftproof.enclosure.clocks import Clock
+from driftproof.enclosure.evaluations import Evaluation, Refused, Value
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, size
+from driftproof.enclosure.numbers import Enclosed, size
+from driftproof.methods.number_field import dyadic
 from driftproof.symbolic.algebra.certified import enclose
 
 # A step is searched for changes at so many places; one that is missed is only found by shorter steps.
@@ -27,8 +30,6 @@ WIDENINGS, WIDER, LENGTH = 4, arb(2) ** -10, 4
 # The set is followed for at most so many times, each four times as long as the one before; f has to be certain on a set
 # so many times as wide as it is, since the first tube of a step is four times as wide in the norm of its weights.
 FOLLOWED, CERTAIN = 10, 64
-# More sides than a few relays that switch at once have.
-MOST_SIDES = 64
 # The parts of the time to the crossing that a step leaves, the least first: near it, f's comparisons are nearly linear
 # in time, so that a step can leave about the square of the time that is left.
 LEFT = tuple(Fraction(1, 2**k) for k in (96, 48, 24, 12, 6, 3, 1))
@@ -58,7 +59,7 @@ class Window:
 
 
 def first_change(
-    f: RightHandSide, t: Fraction, rows: Sequence[Sequence[arb]], decided: Sequence[bool], longest: Fraction
+    f: RightHandSide, t: Fraction, rows: Sequence[Sequence[arb]], decided: Sequence[int], longest: Fraction
 ) -> Fraction | None:
     """About when f's comparisons along the polynomials in s are no longer those decided: a guess, and None if never."""
     polynomials = [arb_poly(list(row)) for row in rows]
@@ -131,16 +132,25 @@ def _is_certain(f: RightHandSide, t: Fraction, box: Sequence[arb]) -> bool:
     return True
 
 
-class _SomeSides(Evaluation):
-    """A run whose comparisons that are not decided have the outcomes `sides`, and those beyond are False."""
+class _SomeSides(Branching):
+    """A run whose comparisons that are not decided come out as told; the same ones, and their opposites, only once."""
 
     def __init__(self, sides: Sequence[bool]) -> None:
-        super().__init__(forward=True)
-        self.sides, self.asked = sides, 0
+        super().__init__(sides, forward=True)
+        self.kept = list[Value]()
 
-    def undecided(self) -> bool:
-        self.asked += 1
-        return self.asked <= len(self.sides) and self.sides[self.asked - 1]
+    def name(self, x: Value) -> Hashable:
+        """An exact number, or which of the numbers of this run it is."""
+        if isinstance(x, arb) and x.is_exact():
+            return dyadic(x)
+        self.kept.append(x)  # or another number might be put in its place
+        return id(x), "of this run"
+
+    def function(self, name: str, x: Value) -> Value:
+        """The square root also of a number that may be 0: real where f is, which is all that is asked on a side."""
+        if name == "sqrt" and isinstance(x, TaylorModel) and not x.range() > 0:
+            return x.range().nonnegative_part().sqrt()
+        return super().function(name, x)
 
 
 def _rates_on_all_sides(
@@ -150,18 +160,13 @@ def _rates_on_all_sides(
 
     They are Taylor models in σ = s/h, so that a difference of two unknowns is as narrow as that of their rates.
     """
-    found: list[arb] | None = None
-    left, runs, length = [list[bool]()], 0, enclose(h)
+    length = enclose(h)
     along = [TaylorModel([x, rate * length], LENGTH) for x, rate in zip(box, rates, strict=True)]
-    while left:
-        sides, runs = left.pop(), runs + 1
-        if runs > MOST_SIDES:
-            raise Refused("f changes too often at one time")
+
+    def run(sides: Sequence[bool]) -> tuple[list[arb], Branching]:
         evaluation = _SomeSides(sides)
         time = Clock(evaluation, TaylorModel([enclose(t), length], LENGTH))
         values = [rate.value for rate in enclosed_rates(f, time, [Enclosed(evaluation, x) for x in along])]
-        balls = [x.range() if isinstance(x, TaylorModel) else arb(x) for x in values]
-        found = balls if found is None else [a.union(b) for a, b in zip(found, balls, strict=True)]
-        left += [[*sides, *[False] * k, True] for k in range(evaluation.asked - len(sides))]
-    assert found is not None
-    return found
+        return [x.range() if isinstance(x, TaylorModel) else arb(x) for x in values], evaluation
+
+    return on_all_branches(run, lambda _, one, other: [a.union(b) for a, b in zip(one, other, strict=True)])

@@ -12,9 +12,10 @@ from typing import Any
 from flint import arb, ctx
 
 from driftproof.enclosure.clocks import exact_time
+from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
 from driftproof.enclosure.implicit_runs import implicit_step, rational_nodes
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, size
+from driftproof.enclosure.numbers import Enclosed, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST
 from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.trajectories import Trajectory

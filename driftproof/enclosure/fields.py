@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.clocks import Clock, interpolated, of_pieces
-from driftproof.enclosure.numbers import SELECTING, Enclosed, Evaluation, Refused
+from driftproof.enclosure.clocks import interpolated, of_pieces
+from driftproof.enclosure.evaluations import Evaluation, Refused
+from driftproof.enclosure.numbers import SELECTING, Enclosed, enclosed
 from driftproof.support.plain_text import counted
 
 # f(t, y) -> y', y being an array; what a user writes.
@@ -25,7 +26,7 @@ RightHandSide = Callable[[Any, Any], Any]
 # The functions of math that NumPy has by the same name, and those that it has by another name.
 _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
-_MATH = {name: name for name in (*_SAME, "hypot", "degrees", "radians")} | _OTHER
+_MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 _REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
@@ -63,8 +64,8 @@ def enclosed_values(
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
-    enclosed = map(evaluation.enclosed, values)
-    return [x for each in enclosed for x in (each.ravel() if isinstance(each, np.ndarray) else (each,))]
+    made = (enclosed(evaluation, x) for x in values)
+    return [x for each in made for x in (each.ravel() if isinstance(each, np.ndarray) else (each,))]
 
 
 def array_of(values: Iterable[Any]) -> Any:
@@ -165,13 +166,13 @@ def _holds_enclosed(values: Any) -> bool:
 
 
 def _sign(x: Any) -> Any:
-    return x.evaluation.enclosed(x.sign()) if isinstance(x, Enclosed) else np.sign(x)
+    return enclosed(x.evaluation, x.sign()) if isinstance(x, Enclosed) else np.sign(x)
 
 
 def _among(given: Any, chosen: Any) -> Any:
     """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
     held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
-    return chosen if held is None else held.evaluation.enclosed(chosen)
+    return chosen if held is None else enclosed(held.evaluation, chosen)
 
 
 def _chosen(choose: Callable[..., Any]) -> Callable[..., Any]:
@@ -201,10 +202,10 @@ class _Math(ModuleType):
             if not evaluations:
                 return plain(*arguments)
             if name in _TO_INTEGERS:
-                return plain(first := arguments[0])
-            if isinstance(first := arguments[0], Clock) and name == "fmod":
-                return first % arguments[1] if first > 0 else -(-first % arguments[1])
-            arguments = tuple(map(evaluations[0].enclosed, arguments))
+                return plain(arguments[0])
+            if name == "fmod" and isinstance(first := arguments[0], Enclosed):
+                return first.fmod(arguments[1])
+            arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
             if name in _OF_FINITE:
                 return _OF_FINITE[name]
             if name not in _MATH:

@@ -16,8 +16,9 @@ from typing import Any, TypeAlias
 from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import exact_time
+from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Evaluation, Refused, size
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import linearised
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, lagrange_integrals

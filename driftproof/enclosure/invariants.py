@@ -10,8 +10,9 @@ import numpy as np
 from flint import arb
 
 from driftproof.enclosure.certificate import Drift, decimal
+from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.fields import enclosable, enclosed_values
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.text_fields import GivenField, field_function
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import VectorField

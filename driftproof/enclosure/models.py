@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 
 Constant: TypeAlias = int | arb
 # The real σ of a step that begins at the centre of the disc, and of one that has the centre in its middle.

@@ -8,134 +8,19 @@ a ball cannot decide, a conversion to a float, a function where it is not analyt
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import wraps
-from math import floor
-from numbers import Rational
-from typing import Any, ClassVar, TypeAlias, cast
+from functools import partial, wraps
+from math import ceil, floor, trunc
+from typing import Any, cast
 
 import numpy as np
-from flint import arb, arb_series, ctx, fmpq
+from flint import arb, arb_series, ctx
 
-# A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
-Value: TypeAlias = Any
-
-
-class Refused(ArithmeticError):
-    """Nothing can be proved; the message names the obstacle and, if there is one, the remedy.
-
-    >>> from driftproof import Refused, certify
-    >>> try:
-    ...     certify(lambda t, y: y, [0.0, 1.0, 0.5], [[1.0], [2.7], [1.6]])
-    ... except Refused as refusal:
-    ...     print(refusal)
-    times must increase, but t[2] = 0.5 is not above t[1] = 1.0
-
-    `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
-    that one which f catches is detected.
-    """
-
-    made: ClassVar[int] = 0
-
-    def __init__(self, message: str, t: Fraction | None = None) -> None:
-        super().__init__(message)
-        self.t = t
-        Refused.made += 1
-
-
-NEEDS_INTEGERS = "f rounds a number to an integer, or takes a remainder"
-# What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
-_ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
-TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
-
-
-def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
-    """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from why they are so short."""
-    near = f"near t = {float(t):.9g}"
-    if reason.startswith(_ZERO_BY_ZERO):
-        remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, a function for certify may use 1/exprel(-x) "
-        remedy += "of scipy.special, which problems to compare methods on may not"
-        return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
-    if reason.startswith(COMPARES):
-        said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
-    said = f"f or the solution has a pole, or f is not smooth, {near}"
-    return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
-
+from driftproof.enclosure.evaluations import ZERO_BY_ZERO, Evaluation, Refused, Value, analytic
+from driftproof.methods.number_field import dyadic
 
 # More terms than numbers up to 40 need; wider ranges come from steps that are too long.
 _MOST_TERMS = 300
-
-
-class Stiff(Refused):
-    """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
-
-
-@dataclass
-class Evaluation:
-    """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
-
-    `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
-    tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
-    `span` holds the first and last time of a step, the last None for times just after the first, for comparisons of the
-    time (see `clocks`); it is None at a single time. Models are compared for 0 <= σ <= 1 if it goes
-    `forward` from the middle of their disc, else for -1 <= σ <= 1.
-    """
-
-    decided: Sequence[bool] | None = None
-    taken: list[bool] = field(default_factory=list)
-    doubles: set[float] = field(default_factory=set)
-    span: tuple[Fraction, Fraction | None] | None = None
-    forward: bool = False
-
-    def decide(self, difference: Value, at_zero: bool = False) -> bool:
-        """True if the difference is positive. Raises Refused if its ball contains zero.
-
-        At a single time an exact difference may be 0, as of floats; then the answer is `at_zero`.
-        """
-        values = difference.ends() if self.forward and not isinstance(difference, arb) else (difference,)
-        if self.decided is not None:
-            if len(self.taken) == len(self.decided):
-                raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
-            answer = self.decided[len(self.taken)]
-        elif all(x > 0 for x in values):
-            answer = True
-        elif all(x < 0 for x in values):
-            answer = False
-        elif self.span is None and isinstance(difference, arb) and difference.is_zero():
-            answer = at_zero
-        else:
-            answer = self.undecided()
-        self.taken.append(answer)
-        return answer
-
-    def undecided(self) -> bool:
-        """Raise Refused: neither outcome is certain."""
-        raise Refused(f"{COMPARES} whose enclosures overlap")
-
-    def enclosed(self, x: Any) -> Any:
-        """A number as an enclosed one, or an array of such."""
-        x = _unboxed(x)
-        if isinstance(x, np.ndarray):
-            return np.vectorize(self.enclosed, otypes=[object])(x)
-        return x if isinstance(x, Enclosed) else Enclosed(self, self.constant(x))
-
-    def constant(self, x: object) -> Value:
-        """A constant in the code of f, exactly. Raises Refused if it is not a finite real number."""
-        if isinstance(x, np.generic):
-            x = x.item()
-        if isinstance(x, bool | int):
-            return arb(int(x))
-        if isinstance(x, float):
-            if not np.isfinite(x):
-                raise Refused(f"f uses the constant {x}")
-            if not x.is_integer():
-                self.doubles.add(x)
-            return arb(x)
-        if isinstance(x, Rational):
-            return arb(fmpq(x.numerator, x.denominator))
-        raise Refused(f"f uses a {type(x).__name__} as a number")
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
@@ -204,7 +89,7 @@ class Enclosed:
     def __truediv__(self, o: Enclosed) -> Enclosed:
         inverse = _inverse(o.value)
         if isinstance(inverse, arb) and not inverse.is_finite() and self.value.contains(0):
-            raise Refused(_ZERO_BY_ZERO)
+            raise Refused(ZERO_BY_ZERO)
         value = self.value * inverse
         return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
@@ -238,22 +123,22 @@ class Enclosed:
     @_lifts_other
     def __gt__(self, o: Enclosed) -> bool:
         """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap."""
-        return self.evaluation.decide(self.value - o.value)
+        return self.evaluation.decide(self.value, o.value)
 
     @_lifts_other
     def __lt__(self, o: Enclosed) -> bool:
         """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
-        return self.evaluation.decide(o.value - self.value)
+        return self.evaluation.decide(o.value, self.value)
 
     @_lifts_other
     def __ge__(self, o: Enclosed) -> bool:
         """True if self is greater, or both are the same exact number; else as >."""
-        return self.evaluation.decide(self.value - o.value, at_zero=True)
+        return self.evaluation.decide(self.value, o.value, at_zero=True)
 
     @_lifts_other
     def __le__(self, o: Enclosed) -> bool:
         """True if self is less, or both are the same exact number; else as <."""
-        return self.evaluation.decide(o.value - self.value, at_zero=True)
+        return self.evaluation.decide(o.value, self.value, at_zero=True)
 
     @_lifts_other
     def __eq__(self, o: Enclosed) -> bool:
@@ -278,13 +163,33 @@ class Enclosed:
     __index__ = __complex__ = cast(Any, __float__)
 
     def __floor__(self) -> Any:
-        """The integer part as text. Raises Refused for other numbers: `clocks` has that of the time."""
+        """The largest integer that is not larger, as text of a text. Raises Refused if two are in the ball."""
         if (written := getattr(self.value, "whole", None)) is not None:
             return Enclosed(self.evaluation, written())
-        return self._rounded()
+        return self.evaluation.floor(self.value)
 
     def __ceil__(self) -> Any:
         return -floor(-self)
+
+    def __trunc__(self) -> Any:
+        return floor(self) if self > 0 else ceil(self)
+
+    def __int__(self) -> int:
+        return self._as_integer(trunc(self))
+
+    def __round__(self, digits: int | None = None) -> Any:
+        """The nearest integer, or the nearest multiple of 10^-digits; where two are equally near, the even one."""
+        if digits is not None:
+            return round(self * Fraction(10) ** digits) / Fraction(10) ** digits
+        if self.evaluation.span is None and isinstance(self.value, arb) and self.value.is_exact():
+            return round(dyadic(self.value))
+        return self._as_integer(floor(self + Fraction(1, 2)))
+
+    @staticmethod
+    def _as_integer(x: Any) -> int:
+        if isinstance(x, int):
+            return x
+        raise Refused("f rounds a number to an integer; a problem may use math.floor, math.trunc and %")
 
     @_lifts_other
     def __floordiv__(self, o: Enclosed) -> Any:
@@ -292,26 +197,39 @@ class Enclosed:
 
     @_lifts_other
     def __mod__(self, o: Enclosed) -> Any:
+        """The remainder, by Python's rule: it has the sign of the divisor."""
         return self - floor(self / o) * o
+
+    @_lifts_other
+    def __rfloordiv__(self, o: Enclosed) -> Any:
+        return floor(o / self)
+
+    @_lifts_other
+    def __rmod__(self, o: Enclosed) -> Any:
+        return o - floor(o / self) * self
 
     def __divmod__(self, other: object) -> Any:
         return self // other, self % other
 
-    def _rounded(self, *_: object) -> Any:
-        written = hasattr(self.value, "whole")
-        said = "a problem may use math.floor and %" if written else "which is enclosed of the time alone"
-        raise Refused(f"{NEEDS_INTEGERS}{';' if written else ','} {said}")
+    def fmod(self, other: Any) -> Any:
+        """The remainder by the rule of C: it has the sign of the number itself."""
+        by = abs(other)
+        return self % by if self > 0 else -(-self % by)
 
-    __int__ = __trunc__ = __round__ = __rmod__ = __rfloordiv__ = cast(Any, _rounded)
+    @_lifts_other
+    def copysign(self, o: Enclosed) -> Any:
+        """|x|, or -|x| if the other number is negative."""
+        return abs(self) if o >= 0 else -abs(self)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
-        if ufunc.__name__ in ("exprel", "heaviside", "sign"):  # which have no loop over objects
-            return self.evaluation.enclosed(getattr(inputs[0], ufunc.__name__)(*inputs[1:]))
+        if ufunc.__name__ in ("copysign", "exprel", "fmod", "heaviside", "sign"):  # which have no loop over objects
+            call = lambda first, *more: getattr(enclosed(self.evaluation, first), ufunc.__name__)(*more)
+            return enclosed(self.evaluation, np.vectorize(call, otypes=[object])(*inputs))
         result = ufunc(*(_boxed(x) for x in inputs))
-        return self.evaluation.enclosed(result) if ufunc.__name__ in SELECTING else _unboxed(result)
+        return enclosed(self.evaluation, result) if ufunc.__name__ in SELECTING else _unboxed(result)
 
     def __getattr__(self, name: str) -> Callable[[], Enclosed]:
         """A function of the tables below: numpy.sin(x) calls x.sin()."""
@@ -322,7 +240,7 @@ class Enclosed:
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
-        value = _function(name, self.value)
+        value = self.evaluation.function(name, self.value)
         return self._with_chain_rule(value, (self, lambda: slope(self.value, value)))
 
     def exprel(self) -> Enclosed:
@@ -359,8 +277,8 @@ _ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
     "log": ("log", lambda x, _: _inverse(x)),
     "sqrt": ("sqrt", lambda _, y: _inverse(2 * y, "takes the root of a number that may be 0")),
     "arctan": ("atan", lambda x, _: _inverse(1 + x * x)),
-    "arcsin": ("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x))),
-    "arccos": ("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x))),
+    "arcsin": ("asin", lambda x, _: _inverse(analytic("sqrt", 1 - x * x))),
+    "arccos": ("acos", lambda x, _: -_inverse(analytic("sqrt", 1 - x * x))),
 }
 # Functions in terms of others; the number itself is its conjugate, since it is real.
 _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
@@ -375,16 +293,10 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
     "conjugate": lambda x: x,
     "fabs": abs,
+    "rint": round,
     **dict.fromkeys(("radians", "deg2rad"), lambda x: x * Enclosed(x.evaluation, arb.pi() / 180)),
     **dict.fromkeys(("degrees", "rad2deg"), lambda x: x * Enclosed(x.evaluation, 180 / arb.pi())),
 }
-
-
-def _function(name: str, x: Value) -> Value:
-    try:
-        return getattr(x, name)()
-    except (ValueError, ZeroDivisionError):
-        raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
 
 
 def _exprel(x: Value, *, slope: bool = False) -> Value:
@@ -464,3 +376,11 @@ def size(values: Iterable[arb]) -> arb:
 def series(evaluation: Evaluation, coefficients: Sequence[arb], length: int) -> Enclosed:
     """A Taylor series of `length` coefficients, those that are not given being 0."""
     return Enclosed(evaluation, arb_series(list(coefficients[:length]), length))
+
+
+def enclosed(evaluation: Evaluation, x: Any) -> Any:
+    """A number as an enclosed one, or an array of such."""
+    x = _unboxed(x)
+    if isinstance(x, np.ndarray):
+        return np.vectorize(partial(enclosed, evaluation), otypes=[object])(x)
+    return x if isinstance(x, Enclosed) else Enclosed(evaluation, evaluation.constant(x))

@@ -12,8 +12,9 @@ from flint import arb
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.clocks import Clock
+from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Refused
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import TWO_RUNS, Evaluation, Refused, size
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.vector_fields import VectorField

@@ -17,8 +17,9 @@ from flint import arb, arb_mat, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.crossings import Crossing, Window, crossed
+from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused, Stiff, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosable
-from driftproof.enclosure.numbers import COMPARES, Evaluation, Refused, Stiff, not_smooth, size
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
     EnclosedStep,
@@ -152,6 +153,7 @@ class _Path:
             _, jacobian = linearised(self.f, time, self.point)
             self.weights = balanced(jacobian, [arb(1)] * len(error))
         expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights)
+        before = self.step
         try:
             self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))
         except Crossing as ahead:
@@ -160,7 +162,9 @@ class _Path:
             raise not_smooth(self.t + ahead.s, str(ahead)) from None
         self.weights = self.step.next_weights
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
-        self._refuse_what_does_not_end(self.step, expansion.cut)
+        # They grow behind a window in which the argument of a root was 0.
+        grows = isinstance(before, Window) or (before is not None and self.step.h > before.h)
+        self._refuse_what_does_not_end(self.step, expansion.cut or grows)
 
     def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
         """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
@@ -176,12 +180,17 @@ class _Path:
             unit *= 4
         return False
 
-    def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool) -> None:
+    def _refuse_what_does_not_end(self, step: EnclosedStep, intended: bool) -> None:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
-        if step.h < SHORTEST_PART * gone and not cut:
+        if step.h < SHORTEST_PART * gone and not intended:
             obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
-            raise not_smooth(self.t + 8 * step.h, obstacle)
+            may_cross = obstacle.startswith(COMPARES)  # at a root that becomes 0, to which no step leads
+            near = 64 * step.h < WIDEST_WINDOW * (self.last - self.first)
+            if may_cross and near and self._cross(16 * step.h, (self.basis * self.box).entries()):
+                return
+            if near or not may_cross:
+                raise not_smooth(self.t + 8 * step.h, obstacle)
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):

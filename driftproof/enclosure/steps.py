@@ -23,15 +23,18 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.crossings import LEFT, Crossing, first_change
+from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, series, size
+from driftproof.enclosure.numbers import Enclosed, series, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
 VARIATIONAL_LENGTH = 14
 # A step that fails is shortened by this factor, at most this often: to below 2⁻⁶⁰ of its first length.
 SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
+# Weights that let the tube of a step grow by less than exp of this are as good as any.
+UNGROWN = arb(2) ** -8
 # A step is shortened until its errors are this small. The first bound is relative to the derivative of the flow: with
 # 2⁻¹⁶, a thousand steps widen what they carry by 1.6 %. The second, relative to the state, is near what the bits give.
 LOOSEST_FLOW = arb(2) ** -16
@@ -109,7 +112,7 @@ def with_effort(part: float) -> Iterator[None]:
         _EFFORT.reset(before)
 
 
-def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
+def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[int]:
     """The outcomes of f's comparisons at a point, just after t; the doubles that f reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen, span=(t, None))
     rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
@@ -134,7 +137,7 @@ class Expansion:
     """The Taylor expansion of the solution from a thin point, from which steps of any length are made."""
 
     def __init__(
-        self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool], weights: Weights
+        self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[int], weights: Weights
     ) -> None:
         """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are."""
         self.f, self.t, self.length, self.decided, self.weights, self.cut = f, t, length, decided, weights, False
@@ -173,6 +176,9 @@ class Expansion:
                 raise Crossing(reason, change)
             else:
                 h, change = change / 4, None
+        if any(d != 1 for d in self.weights):  # beside a kink, a tube that is wide in one component may be too wide
+            self.weights = [arb(1)] * len(self.rows)
+            return self.step(longest, errors, nearest)
         raise Refused(f"no step from t = {float(self.t):.9g}, however short, could be proved: {reason}", self.t)
 
     def _size(self, values: Iterable[arb]) -> arb:
@@ -212,7 +218,8 @@ class Expansion:
                 if (flow := _flow(jacobian, step, tube)) is None:
                     return None
                 flow = arb_mat(self._scaled(flow.tolist(), -1))
-                after = balanced(ranges, self.weights)
+                grown = tube.norm * step > UNGROWN
+                after = balanced(ranges, self.weights) if grown else self.weights
                 return EnclosedStep(self.t, h, polynomials, spread, defect, tube, flow, self.weights, after)
             multiple = arb((2 * multiple.max(tube.growth(step))).upper())
         return None

@@ -21,9 +21,10 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
+from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
-from driftproof.enclosure.numbers import COMPARES, Enclosed, Evaluation, Refused, not_smooth
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.steps import fewer_steps, linearised, obstacle_ahead
 from driftproof.symbolic.algebra.certified import enclose
 

@@ -8,8 +8,10 @@ from typing import Any
 
 from flint import arb
 
+from driftproof.enclosure.branches import Branching, Condition, on_all_branches
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 
@@ -17,8 +19,6 @@ from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 _LARGEST_LITERAL = 2**31
 # chosen: text that is longer comes from a loop, and not from a formula.
 _LONGEST_TRACE = 100_000
-# chosen: each outcome of f's comparisons takes a run; measured data of 60 points have so many.
-_MOST_OUTCOMES = 64
 
 
 def field_of_function(f: RightHandSide, components: int) -> VectorField:
@@ -30,60 +30,38 @@ def field_of_function(f: RightHandSide, components: int) -> VectorField:
     >>> field_of_function(lambda t, y: [y[1], -0.5 * y[0]], 2)
     VectorField(rates=('y1', '(y0 * double_0)'), parameters=(('double_0', Fraction(-1, 2)),))
     """
-    doubles: dict[Fraction, str] = {}
-    rates = _Runs(enclosable(f), components, doubles).rates(())
+    doubles, traced = dict[Fraction, str](), enclosable(f)
+
+    def run(outcomes: Sequence[bool]) -> tuple[list[str], Branching]:
+        evaluation = _Tracing(doubles, outcomes)
+        names = [Enclosed(evaluation, Traced(f"y{i}", doubles)) for i in range(components)]
+        found = enclosed_rates(traced, Enclosed(evaluation, Traced("t", doubles)), names)
+        return [Traced.of(rate.value, doubles).text for rate in found], evaluation
+
+    def chosen(condition: Condition, texts: list[str], others: list[str]) -> list[str]:
+        greater = " ".join(map(str, condition))
+        pairs = zip(texts, others, strict=True)
+        return [one if one == other else f"({one} if {greater} else {other})" for one, other in pairs]
+
+    rates = on_all_branches(run, chosen)
     return VectorField(tuple(rates), tuple((name, value) for value, name in doubles.items()))
 
 
-class _Runs:
-    """Runs of f on names, with all outcomes of its comparisons."""
-
-    def __init__(self, f: RightHandSide, components: int, doubles: dict[Fraction, str]) -> None:
-        self.f, self.components, self.doubles, self.made = f, components, doubles, 0
-
-    def rates(self, outcomes: Sequence[bool]) -> list[str]:
-        """The rates where the first comparisons come out so."""
-        self.made += 1
-        _require_few(self.made)
-        evaluation = _Tracing(self.doubles, outcomes)
-        names = [Enclosed(evaluation, Traced(f"y{i}", self.doubles)) for i in range(self.components)]
-        found = enclosed_rates(self.f, Enclosed(evaluation, Traced("t", self.doubles)), names)
-        texts = [Traced.of(rate.value, self.doubles).text for rate in found]
-        conditions = [" ".join(condition) for condition in evaluation.known]
-        for at in reversed(range(len(outcomes), len(conditions))):
-            others = self.rates([*list(evaluation.known.values())[:at], False])
-            pairs = zip(texts, others, strict=True)
-            texts = [one if one == other else f"({one} if {conditions[at]} else {other})" for one, other in pairs]
-        return texts
-
-
-class _Tracing(Evaluation):
-    """A run on names, in which constants become integers or names, too; comparisons come out as told, then as true."""
+class _Tracing(Branching):
+    """A run on names, in which constants become integers or names, too."""
 
     def __init__(self, names: dict[Fraction, str], outcomes: Sequence[bool]) -> None:
-        super().__init__()
-        self.names, self.outcomes, self.known = names, outcomes, dict[tuple[str, str, str], bool]()
+        super().__init__(outcomes)
+        self.names = names
 
     def constant(self, x: object) -> Traced:
         if isinstance(x, Fraction):  # a knot of data, perhaps
             return Traced.of_fraction(x, self.names)
         return Traced.of(super().constant(x), self.names)
 
-    def decide(self, difference: Traced, at_zero: bool = False) -> bool:
+    def decide(self, greater: Traced, less: Traced, at_zero: bool = False) -> bool:
         """The outcome of this run, the same each time that f asks."""
-        (a, b), (sign, other) = difference.terms, (">=", ">") if at_zero else (">", ">=")
-        if (b, other, a) in self.known:  # a > b, unless b >= a
-            return not self.known[b, other, a]
-        if self.known.get((a, other, b)) is at_zero or self.known.get((b, sign, a)) is (not at_zero):
-            return at_zero  # a > b tells a >= b, and not b > a
-        at = len(self.known)
-        _require_few(at)  # in a loop, too, that ends by a comparison
-        return self.known.setdefault((a, sign, b), self.outcomes[at] if at < len(self.outcomes) else True)
-
-
-def _require_few(outcomes: int) -> None:
-    if outcomes > _MOST_OUTCOMES:
-        raise Refused(f"f compares numbers with more than {_MOST_OUTCOMES} outcomes; certify takes such an f")
+        return self.outcome(greater.text, less.text, at_zero)
 
 
 class Traced:
@@ -94,7 +72,6 @@ class Traced:
         if len(text) > _LONGEST_TRACE:
             raise Refused(f"f is too long as text: over {_LONGEST_TRACE} characters")
         self.text, self.doubles, self.divisor = text, doubles, divisor
-        self.terms = (text, "0")  # of a difference, its own two
 
     @classmethod
     def of(cls, x: Any, doubles: dict[Fraction, str]) -> Traced:
@@ -136,9 +113,7 @@ class Traced:
         return Traced(f"(-{self.text})", self.doubles)
 
     def __sub__(self, other: Any) -> Traced:
-        difference = self._with("-", other)
-        difference.terms = (self.text, Traced.of(other, self.doubles).text)
-        return difference
+        return self._with("-", other)
 
     def whole(self) -> Traced:
         """The largest integer that is not larger."""

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.enclosure.columns import ReadColumns, column_names, named_columns, unnamed_columns
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.support.files import read_bytes, read_utf8
 
 # The unit roundoffs of the two formats that the numbers of a trajectory may have.

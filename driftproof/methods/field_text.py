@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,13 @@ _WRITTEN = {
     "tanh": "(1 - 2 / (exp(2 * ({0})) + 1))",
     "ln": "log({0})",
     FLOOR: "floor({0})",
-    "sign": "(1 if {0} > 0 else -1 if {0} < 0 else 0)",
-    "heaviside": "(1 if {0} >= 0 else 0)",
 }
+# Functions of a sign, as choices by which of two numbers is the greater: a difference is compared by its terms.
+_OF_SIGN = {
+    "sign": "(1 if {0} > {1} else -1 if {0} < {1} else 0)",
+    "heaviside": "(1 if {0} >= {1} else 0)",
+}
+_OF_ONE = (*FUNCTIONS, *_WRITTEN, *_OF_SIGN)
 _OF_TWO = {
     "max": "({0} if {0} > {1} else {1})",
     "min": "({0} if {0} < {1} else {1})",
@@ -73,8 +78,8 @@ _OF_TWO = {
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")
-# A comma between digits may be meant as a decimal comma, one in brackets as that of a function.
-_BETWEEN = re.compile(r";|(?:(?<!\d),|,(?!\d))(?![^()]*\))")
+# A comma between digits may be meant as a decimal comma.
+_BETWEEN = re.compile(r";|(?<!\d),|,(?!\d)")
 _EQUATION = re.compile(r"\s*([A-Za-z_]\w*)\s*'\s*=(.*)", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_]\w*)\s*=([^=']+)")
 _SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
@@ -175,7 +180,7 @@ def _rates(given: object) -> list[str] | dict[str, str]:
     Among equations a number may be given a name, as in x' = -k x, k = 2.
     """
     if isinstance(given, str):
-        texts = _BETWEEN.split(of_first_order(given))
+        texts = _apart(of_first_order(given))
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
         settings = {found[1]: found[2] for text in texts if equations and (found := _SETTING.fullmatch(text))}
         velocities = {f"d{name}" for name in _SECOND.findall(given)}  # stand behind all positions
@@ -186,6 +191,13 @@ def _rates(given: object) -> list[str] | dict[str, str]:
     if isinstance(given, dict):
         return dict(zip(given, as_texts([*given.values()], "rates"), strict=True))
     return [*as_texts(given, "rates")]
+
+
+def _apart(text: str) -> list[str]:
+    """The texts between semicolons and commas, but for commas in brackets, which are those of a function."""
+    cuts = _BETWEEN.finditer(text)
+    ends = [m.span() for m in cuts if m[0] == ";" or text.count("(", 0, m.start()) == text.count(")", 0, m.start())]
+    return [text[a:b] for (_, a), (b, _) in pairwise([(0, 0), *ends, (len(text), len(text))])]
 
 
 def of_first_order(text: str) -> str:
@@ -236,7 +248,7 @@ class _Writer(tree.ExpressionParser):
             case tree.NumberNode(value=value):
                 return str(value.numerator) if value.denominator == 1 else f"({value.numerator} / {value.denominator})"
             case tree.NameNode(name=name):
-                one, given = name in (*FUNCTIONS, *_WRITTEN), {"t", *self.names}
+                one, given = name in _OF_ONE, {"t", *self.names}
                 if name not in given and name[1:] and (one or given.issuperset(name)):
                     hint = f"{name}(t)" if one else f"a product as {'*'.join(name)}"
                     raise ExpressionError(self.text, node.column, f"{name!r} is no number here; write {hint}")
@@ -247,6 +259,8 @@ class _Writer(tree.ExpressionParser):
                 return f"({self._chain_text(node)})"
             case tree.CallNode(function=name, arguments=(argument,)) if name in (*FUNCTIONS, *_WRITTEN):
                 return self._short(_WRITTEN.get(name, f"{name}({{0}})").format(self.bare_text(argument)), node.column)
+            case tree.CallNode(function=name, arguments=(argument,)) if name in _OF_SIGN:
+                return self._short(_OF_SIGN[name].format(*self._compared(argument)), node.column)
             case tree.PowerNode():
                 return self._power_text(node)
             case tree.CallNode(function=name, arguments=(_, _, *more)) if name in _OF_TWO and not (
@@ -254,8 +268,15 @@ class _Writer(tree.ExpressionParser):
             ):
                 write = lambda one, other: self._short(_OF_TWO[name].format(one, other), node.column)
                 return str(reduce(write, map(self.bare_text, node.arguments)))
-        known = f"{', '.join((*FUNCTIONS, *_WRITTEN))}, each of one argument, max, min, and mod of two"
+        known = f"{', '.join(_OF_ONE)}, each of one argument, max, min, and mod of two"
         raise ExpressionError(self.text, node.column, f"the functions are {known}")
+
+    def _compared(self, node: Any) -> tuple[str, str]:
+        """Two texts, of which the first is the greater if the node is positive."""
+        match node:
+            case tree.ChainNode(first=first, rest=((sign, second),)) if sign.text == "-":
+                return self._text(first), self._text(second)
+        return self.bare_text(node), "0"
 
     def _power_text(self, node: tree.PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)

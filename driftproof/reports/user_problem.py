@@ -14,8 +14,9 @@ from typing import Any, TypeAlias
 from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
+from driftproof.enclosure.evaluations import TWO_RUNS, Refused
 from driftproof.enclosure.invariants import enclosed_invariant
-from driftproof.enclosure.numbers import TWO_RUNS, Refused, size
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function

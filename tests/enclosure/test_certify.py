@@ -224,8 +224,6 @@ REFUSED = {
         Thermostat(), [0, 1, 2], [[0.5], [1.5], [2.5]]),
     r"f or its derivative is not finite at t = 0": (lambda t, y: -np.arcsin(y), [0, 1], [[1.0], [0.5]]),
     r"201 components are too many; at most 200 can be enclosed": (lambda t, y: -y, [0, 1], np.ones((2, 201))),
-    r"f rounds a number to an integer, or takes a remainder, which is enclosed of the time alone": (
-        lambda t, y: [np.floor(y[0])], [0, 1], [[1.0], [2.0]]),
 }  # fmt: skip
 BAD_INPUT = {
     r"f is not a right-hand side but a NoneType; give f\(t, y\) or its text": (None, [0, 1], [[1], [1]]),

@@ -10,7 +10,7 @@ from flint import arb, arb_mat
 from driftproof.enclosure import coordinates
 from driftproof.enclosure.comparison import sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 
 
 def jacobian(rows):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from random import Random
 
@@ -11,10 +12,12 @@ import pytest
 from flint import arb, ctx
 
 from driftproof import certify
-from driftproof.enclosure import crossings
+from driftproof.enclosure import branches, crossings
 from driftproof.enclosure.crossings import crossed, first_change
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.solutions import enclose_solution
+from driftproof.enclosure.text_fields import field_function
+from driftproof.methods.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 from tests.looping import exactly
@@ -45,6 +48,7 @@ def rectified(t):
     return 4 if t > 3 * arb.pi() else 2 + 1 - arb(t).cos()
 
 
+DOUBLE_PI = arb(math.pi)
 drag = lambda t, y: [y[1], -10 - y[1] * abs(y[1]) / 10]
 CROSSING = {
     "a jump at a double": (lambda t, y: [1.0 if y[0] < 0.5 else 2.0], [0], 1, lambda t: [arb(1.5)]),
@@ -61,6 +65,28 @@ CROSSING = {
         lambda t, y: [1.0, 0.5, 1.0 if y[0] > y[1] else 0.0], [0, 1, 0], 4, lambda t: [arb(4), arb(3), arb(2)],
     ),
     "the time itself": (lambda t, y: [0.5, 1.0 if y[0] > t else 0.0], [1, 0], 4, lambda t: [arb(3), arb(2)]),
+    "opposite comparisons": (lambda t, y: [(y[0] < 1) * 1.0 + (y[0] >= 1) * 0.25], [0], 3, lambda t: [arb(1.5)]),
+    "what no other case is": (
+        lambda t, y: [np.select([y[0] < 1, y[0] >= 1], [1.0, 0.25])], [0], 3, lambda t: [arb(1.5)],
+    ),
+    "a table": (lambda t, y: [[1.0, 2.0, 4.0][int(y[0])]], [0.5], 1, lambda t: [arb(2)]),
+    "a floor": (lambda t, y: [1.0 + np.floor(y[0]), 1.0], [0.5, 0], 1, lambda t: [arb(2), arb(1)]),
+    "a falling floor": (lambda t, y: [-1.0 - math.floor(y[0])], [2.5], 0.5, lambda t: [arb(4) / 3]),
+    "a wrapped angle": (
+        lambda t, y: [1.0, y[0] % (2 * np.pi)], [0, 0], 8,
+        lambda t: [t, 2 * DOUBLE_PI**2 + (t - 2 * DOUBLE_PI) ** 2 / 2],
+    ),
+    "the nearest image": (lambda t, y: [1.0, y[0] - 2 * np.round(y[0] / 2)], [0, 0], 2, lambda t: [t, arb(0)]),
+    "an irrational period": (
+        field_function(field_of_text("heaviside(1/2 - mod(t, sqrt(2)))")), [0], 1.75,
+        lambda t: [arb(2.25) - arb(2).sqrt()],
+    ),
+    "a root that becomes real": (
+        lambda t, y: [1.0, np.sqrt(max(y[0], 0))], [-1, 0], 2, lambda t: [arb(1), arb(2) / 3],
+    ),
+    "a root that becomes zero": (
+        lambda t, y: [-1.0, max(0, y[0]) ** 1.5], [1, 0], 2, lambda t: [arb(-1), arb(2) / 5],
+    ),
     "a jump at a known time at once": (
         lambda t, y: [-1.0 if t < 1 else 1.0, abs(y[0])], [1, 0], 2, lambda t: [arb(1), arb(1)],
     ),
@@ -130,7 +156,7 @@ def test_time_of_a_crossing_that_is_asked_for_is_in_its_window():
 
 
 WRONG = {
-    "one side only": ("left += [", "left += 0 * ["),
+    "one side only": ("lambda _, one, other: [a.union(b) for", "lambda _, one, other: [a for"),
     "no time of the window": ("return Window(t, end - t,", "return Window(t, (end - t) / 2,"),
     "the box of the beginning": ("[x + rate * length for x, rate in", "[x + 0 * rate for x, rate in"),
 }
@@ -189,6 +215,18 @@ def test_first_change_is_found_along_the_polynomials(rows, said):
         assert 0 <= found - said < Fraction(1, 2**100)
 
 
+@pytest.mark.slow
+def test_elastic_contact_keeps_its_energy():
+    """Hertz's law, v' = -9.81 + 1000 d^(3/2) at the depth d, over two impacts: v²/2 + 9.81 x + 400 d^(5/2) is kept."""
+    contact = lambda t, y: [y[1], 1000 * max(0, -y[0]) ** 1.5 - 9.81]
+    found = enclose_solution(contact, [Fraction(1, 10), Fraction(0)], [Fraction(0), Fraction(1, 4), Fraction(1, 2)])
+    assert found.radius < 1e-25
+    with ctx.workprec(BITS):
+        for (x, v), below in exactly(2, zip(found.states[1:], (True, False), strict=True)):
+            energy = v**2 / 2 + arb(9.81) * x + (400 * (-x).sqrt() ** 5 if below else 0)
+            assert abs(energy - arb(9.81) / 10) < 1e-24
+
+
 @pytest.mark.parametrize(
     ("f", "start", "near"),
     [
@@ -204,7 +242,7 @@ def test_solution_that_does_not_cross_is_refused(f, start, near):
 
 
 def test_many_relays_at_once_are_refused(monkeypatch):
-    monkeypatch.setattr(crossings, "MOST_SIDES", 3)
+    monkeypatch.setattr(branches, "MOST_OUTCOMES", 3)
     f, start, end, _ = CROSSING["two at once"]
     with pytest.raises(Refused, match="touch or follow"):
         enclose_solution(f, [Fraction(x) for x in start], [Fraction(0), Fraction(end)])

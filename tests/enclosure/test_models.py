@@ -6,8 +6,9 @@ import pytest
 from flint import acb, acb_poly, arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure import models
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.models import TaylorModel, value_at
-from driftproof.enclosure.numbers import Refused, _exprel
+from driftproof.enclosure.numbers import _exprel
 from tests.enclosure.mutants import mutant
 
 LENGTH = 12

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import enclosable
-from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.enclosure.reproduction import NotReproduced, reproduced_field, require_reproduced
 from driftproof.enclosure.traced_fields import field_of_function

@@ -13,7 +13,7 @@ from flint import arb, ctx
 from tqdm import tqdm
 
 from driftproof.enclosure import solutions, steps
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.solutions import enclose_solution
 from tests.enclosure.mutants import mutant
 from tests.enclosure.right_hand_sides import kepler as attraction

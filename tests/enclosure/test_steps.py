@@ -8,7 +8,8 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure import steps
-from driftproof.enclosure.numbers import Refused, size
+from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import balanced
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant

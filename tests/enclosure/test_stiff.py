@@ -12,8 +12,8 @@ from tqdm import tqdm
 
 from driftproof import certify
 from driftproof.enclosure import stiff
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import enclosable
-from driftproof.enclosure.numbers import Refused
 from tests.enclosure.mutants import mutant
 from tests.looping import exactly
 from tests.witnesses.closed_solutions import relaxed

@@ -7,8 +7,9 @@ from fractions import Fraction
 import pytest
 from flint import arb, ctx
 
+from driftproof.enclosure.evaluations import Evaluation
 from driftproof.enclosure.fields import enclosed_rates
-from driftproof.enclosure.numbers import Enclosed, Evaluation
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.text_fields import field_function, right_hand_side
 from driftproof.methods.field_text import field_of_text
 from driftproof.methods.number_field import square_root

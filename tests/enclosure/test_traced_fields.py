@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.numeric.advance import field_rate
@@ -122,7 +122,8 @@ def wrapped(angle):
 
 
 REFUSED = {
-    "takes a remainder; a problem may use math.floor and %": lambda t, y: [y[0] * int(t)],
+    "rounds a number to an integer; a problem may use math.floor, math.trunc and %": lambda t, y: [y[0] * int(t)],
+    "a problem may use math.floor": lambda t, y: [y[0] * round(t)],
     "uses atan; a problem may use sin, cos, exp, log, sqrt, abs, and": lambda t, y: [np.arctan(y[0])],
     "uses exprel; a problem may use sin": lambda t, y: [pytest.importorskip("scipy.special").exprel(y[0])],
     "not a double": lambda t, y: [y[0] * np.radians(y[0])],

@@ -71,6 +71,23 @@ def test_functions_with_kinks_and_jumps_are_choices():
         assert rate(t, (q, v)) == [max(q, 1 - t, -3) + min(2 * q, t), rest]
 
 
+def test_differences_are_compared_by_their_terms():
+    """So that what opposite ones ask is asked of the same two numbers."""
+    assert field_of_text("heaviside(1 - y0) + heaviside(y0 - 1)").rates == (
+        "(1 if 1 >= y0 else 0) + (1 if y0 >= 1 else 0)",
+    )
+    assert field_of_text("sign(2*t - y0); heaviside(y0 * 2)").rates == (
+        "(1 if (2 * t) > y0 else -1 if (2 * t) < y0 else 0)",
+        "(1 if y0 * 2 >= 0 else 0)",
+    )
+
+
+@pytest.mark.parametrize("between", ["; ", ", "])
+def test_commas_in_brackets_are_those_of_a_function(between):
+    texts = ("max(1, mod(t, 2 * (1 + y0)))", "(y0)")
+    assert field_of_text(between.join(texts)) == field_of_text(texts)
+
+
 REFUSED = {
     "erf(y0)": r"column 1: the functions are sin, .*, sign, heaviside, each of one argument, max, min, and mod of",
     "sin(y0, t)": r"column 1: the functions are",

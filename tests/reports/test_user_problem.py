@@ -10,7 +10,7 @@ import pytest
 from flint import arb, ctx
 from mpmath import atan, cos, mpf, nstr, sin, sqrt, workdps
 
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner

@@ -15,7 +15,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.schemes import Splitting

@@ -12,11 +12,12 @@ from typing import Any
 
 from flint import arb, ctx
 
+from driftproof.enclosure.evaluations import Evaluation
 from driftproof.enclosure.exact_runs import exact_step
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_values
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.multistep_runs import StartedMultistep
-from driftproof.enclosure.numbers import Enclosed, Evaluation
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.problem_tables import ProblemTable, problem_table, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function

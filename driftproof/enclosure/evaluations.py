@@ -1,0 +1,160 @@
+"""Runs of a right-hand side, whatever its numbers are: comparisons, floors, constants, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import ceil, floor
+from numbers import Rational
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+from flint import arb, fmpq
+
+from driftproof.methods.number_field import dyadic
+
+# A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
+Value: TypeAlias = Any
+
+
+class Refused(ArithmeticError):
+    """Nothing can be proved; the message names the obstacle and, if there is one, the remedy.
+
+    >>> from driftproof import Refused, certify
+    >>> try:
+    ...     certify(lambda t, y: y, [0.0, 1.0, 0.5], [[1.0], [2.7], [1.6]])
+    ... except Refused as refusal:
+    ...     print(refusal)
+    times must increase, but t[2] = 0.5 is not above t[1] = 1.0
+
+    `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
+    that one which f catches is detected.
+    """
+
+    made: ClassVar[int] = 0
+
+    def __init__(self, message: str, t: Fraction | None = None) -> None:
+        super().__init__(message)
+        self.t = t
+        Refused.made += 1
+
+
+# What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
+ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
+TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
+
+
+def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
+    """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from why they are so short."""
+    near = f"near t = {float(t):.9g}"
+    if reason.startswith(ZERO_BY_ZERO):
+        remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, a function for certify may use 1/exprel(-x) "
+        remedy += "of scipy.special, which problems to compare methods on may not"
+        return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
+    if reason.startswith(COMPARES):
+        said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
+        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
+    said = f"f or the solution has a pole, or f is not smooth, {near}"
+    return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
+
+
+class Stiff(Refused):
+    """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
+
+
+@dataclass
+class Evaluation:
+    """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
+
+    `taken` collects the outcomes, and the integers of floors.
+    `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
+    tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
+    `span` holds the first and last time of a step, the last None for times just after the first, for comparisons of the
+    time (see `clocks`); it is None at a single time. Models are compared for 0 <= σ <= 1 if it goes
+    `forward` from the middle of their disc, else for -1 <= σ <= 1.
+    """
+
+    decided: Sequence[int] | None = None
+    taken: list[int] = field(default_factory=list)
+    doubles: set[float] = field(default_factory=set)
+    span: tuple[Fraction, Fraction | None] | None = None
+    forward: bool = False
+
+    def decide(self, greater: Value, less: Value, at_zero: bool = False) -> bool:
+        """True if the first number is greater, False if it is less. Raises Refused if their balls overlap.
+
+        At a single time two exact numbers may be equal, as of floats; then the answer is `at_zero`.
+        """
+        if self.decided is not None:
+            return bool(self._as_decided())
+        difference = greater - less
+        values = self._between(difference)
+        if all(x > 0 for x in values):
+            answer = True
+        elif all(x < 0 for x in values):
+            answer = False
+        elif self.span is None and isinstance(difference, arb) and difference.is_zero():
+            answer = at_zero
+        else:
+            answer = self.undecided(greater, less, at_zero)
+        self.taken.append(answer)
+        return answer
+
+    def floor(self, x: Value) -> int:
+        """The integer k with k <= x < k + 1, in a span also with k = x if x falls. Raises Refused if there are two."""
+        if self.decided is not None:
+            return self._as_decided()
+        balls = [x if isinstance(x, arb) else x.range(arb(0, 1)) for x in self._between(x)]
+        if not all(ball.is_finite() for ball in balls):
+            raise Refused("f takes the floor of a number that may be infinite")
+        least = min(dyadic(ball.lower()) for ball in balls)
+        first = floor(least) if self.span is None else ceil(least) - 1
+        last = max(floor(dyadic(ball.upper())) for ball in balls)
+        if last > first + 1:
+            raise Refused(f"f takes the floor of a number in a wide range, from {first}")
+        answer = last if last == first or self.undecided(x, arb(last), True) else first
+        self.taken.append(answer)
+        return answer
+
+    def undecided(self, greater: Value, less: Value, at_zero: bool) -> bool:
+        """Raise Refused: neither outcome is certain."""
+        raise Refused(f"{COMPARES} whose enclosures overlap")
+
+    def function(self, name: str, x: Value) -> Value:
+        """A function of FLINT. Raises Refused where it may not be analytic."""
+        return analytic(name, x)
+
+    def _as_decided(self) -> int:
+        if self.decided is None or len(self.taken) == len(self.decided):
+            raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
+        self.taken.append(self.decided[len(self.taken)])
+        return self.taken[-1]
+
+    def _between(self, x: Value) -> tuple[Value, ...]:
+        """Numbers between which the value lies: the ends of a model, or the value itself."""
+        return x.ends() if self.forward and not isinstance(x, arb) else (x,)
+
+    def constant(self, x: object) -> Value:
+        """A constant in the code of f, exactly. Raises Refused if it is not a finite real number."""
+        if isinstance(x, np.generic):
+            x = x.item()
+        if isinstance(x, bool | int):
+            return arb(int(x))
+        if isinstance(x, float):
+            if not np.isfinite(x):
+                raise Refused(f"f uses the constant {x}")
+            if not x.is_integer():
+                self.doubles.add(x)
+            return arb(x)
+        if isinstance(x, Rational):
+            return arb(fmpq(x.numerator, x.denominator))
+        raise Refused(f"f uses a {type(x).__name__} as a number")
+
+
+def analytic(name: str, x: Value) -> Value:
+    """A function that FLINT has under the name. Raises Refused where it may not be analytic."""
+    try:
+        return getattr(x, name)()
+    except (ValueError, ZeroDivisionError):
+        raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
