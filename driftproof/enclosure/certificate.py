@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
+from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
 from html import escape
-from math import floor
 from typing import TypeAlias
 
 from flint import arb, ctx
@@ -230,8 +229,12 @@ def right_digits(error: Sequence[arb], true: Sequence[arb]) -> int:
     if largest == 0:
         return ALL_DIGITS
     whole = max((arb(x.abs_lower()) for x in true), key=float)
-    digits = float((-(largest / whole).log() / arb(10).log()).lower())
-    return max(0, floor(digits)) if digits == digits else 0
+    digits = (-(largest / whole).log() / arb(10).log()).lower().floor()
+    return max(0, int(digits.unique_fmpz() or 0)) if digits.is_finite() else 0
+
+
+# Decimals are made without rounding, whatever the caller's context is.
+_EXACT = Context(prec=MAX_PREC, Emin=MIN_EMIN, Emax=MAX_EMAX)
 
 
 def _ball(x: arb) -> Json:
@@ -240,7 +243,7 @@ def _ball(x: arb) -> Json:
 
 
 def _scaled(digits: int, exponent: int) -> str:
-    return f"{Decimal(digits).scaleb(exponent).normalize():e}" if digits else "0"
+    return f"{_EXACT.normalize(_EXACT.scaleb(Decimal(digits), exponent)):e}" if digits else "0"
 
 
 def _rows(rows: BallRows) -> Json:

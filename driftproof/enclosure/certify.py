@@ -19,7 +19,7 @@ from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
-from driftproof.enclosure.reproduction import require_reproduced
+from driftproof.enclosure.reproduction import require_reproduced_between
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
@@ -115,7 +115,8 @@ def certificate_of(
     unknowns = given.unknowns if isinstance(given, VectorField) else ()
     f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
-    require_reproduced(f, enclosable(f), run.times, run.states)
+    with ctx.workprec(BITS_AT_FIRST):
+        require_reproduced_between(f, enclosable(f), run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
     enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     true = dict(zip(enclosed.times, enclosed.states, strict=True))

@@ -10,7 +10,7 @@ import operator
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import ceil, floor
+from math import ceil, floor, perm
 from numbers import Rational
 from typing import Any, TypeAlias
 
@@ -184,7 +184,7 @@ def interpolated(
     """
     knots, values = _exact(xp), _exact(fp)
     if period is not None:
-        whole = Fraction(period)
+        whole = abs(Fraction(period))
         within = sorted(zip([k % whole for k in knots], values, strict=True))
         (first, its), (last, other) = within[0], within[-1]
         knots, values = zip((last - whole, other), *within, (first + whole, its), strict=True)
@@ -199,19 +199,22 @@ def interpolated(
 
 def of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
     """A spline of SciPy, a `PPoly`, at a number: the polynomial of the piece that x is in, with its coefficients."""
-    pieces = spline.derivative(derivative) if derivative else spline
-    knots = _exact(pieces.x)
-    if pieces.extrapolate == "periodic":
+    knots, rows = _exact(spline.x), _exact(spline.c)
+    if derivative < 0 or knots[0] > knots[-1]:
+        raise Refused("f takes an integral of a spline, or a spline whose knots decrease")
+    if spline.extrapolate == "periodic":
         x = knots[0] + (x - knots[0]) % (knots[-1] - knots[0])
-    elif not pieces.extrapolate and (x < knots[0] or x > knots[-1]):
+    elif not spline.extrapolate and (x < knots[0] or x > knots[-1]):
         raise Refused("f takes a spline beyond its ends")
     i = min(max(bisect_right(knots, x) - 1, 0), len(knots) - 2)
     total, from_knot = 0, x - knots[i]
-    for row in pieces.c[:, i]:
-        total = total * from_knot + _exact(row)
+    for power in reversed(range(derivative, len(rows))):
+        total = total * from_knot + rows[len(rows) - 1 - power, i] * perm(power, derivative)
     return total
 
 
 def _exact(doubles: Any) -> Any:
     """The doubles as Fractions, which are data and not constants of f."""
+    if np.iscomplexobj(doubles):
+        raise Refused("f uses complex data")
     return np.vectorize(Fraction, otypes=[object])(np.asarray(doubles, dtype=float))[()]

@@ -28,7 +28,7 @@ _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "exp
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
 _MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
-_REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
+_REPLACED = ("array", "asarray", "zeros", "sign", "interp", *_FILLED_WITH_FLOATS, *SELECTING)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
 # The answers for enclosed numbers: balls that are not finite are refused elsewhere.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
@@ -54,6 +54,8 @@ def enclosed_values(
     except Refused:
         raise
     except Exception as error:  # a user's function may raise anything
+        if isinstance(error.__cause__, Refused):  # of a method that NumPy calls for each number of an array
+            raise error.__cause__ from None
         if ufunc := re.match(r"ufunc '(\w+)' not supported", str(error)):
             raise Refused(f"{name} uses {ufunc[1]}, which has no enclosure") from None
         if "object arrays are not supported" in str(error):
@@ -106,7 +108,7 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
         return _MODULE_NUMPY
     if isinstance(value, BuiltinFunctionType) and getattr(math, str(name), None) is value:
         return getattr(_MODULE_MATH, str(name))
-    if isinstance(name, str) and name in _REPLACED and getattr(np, name) is value:
+    if isinstance(name, str) and name in _REPLACED and getattr(np, name, None) is value:
         return getattr(_MODULE_NUMPY, name)
     if isinstance(value, MethodType):
         return MethodType(_rebound(value.__func__, known, depth), _with_splines(value.__self__))
@@ -124,8 +126,9 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
 
 
 def _is_spline(value: Any) -> bool:
-    """True for a PPoly of SciPy, which is not loaded here."""
-    return hasattr(value, "from_spline") and hasattr(value, "extrapolate")
+    """True for a PPoly of SciPy, which is not loaded here, unless its class computes values in its own way."""
+    called = next((kind for kind in type(value).__mro__ if "__call__" in vars(kind)), object)
+    return hasattr(value, "from_spline") and hasattr(value, "extrapolate") and called.__module__.startswith("scipy.")
 
 
 def _with_splines(owner: Any) -> Any:
@@ -139,10 +142,11 @@ def _with_splines(owner: Any) -> Any:
 
 
 def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
-    names = dict(f.__globals__)
-    cells = tuple(CellType() for _ in f.__closure__ or ())
+    # What several functions share, they share as copies: one may write what another reads.
+    names = known.setdefault(id(f.__globals__), dict(f.__globals__))
+    cells = tuple(known.setdefault(id(cell), CellType()) for cell in f.__closure__ or ())
     copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
-    copy.__kwdefaults__ = f.__kwdefaults__
+    copy.__kwdefaults__, copy.__dict__ = f.__kwdefaults__, f.__dict__
     known[id(f)] = copy  # before the functions that it calls, which may call it
     for cell, given in zip(cells, f.__closure__ or (), strict=True):
         with suppress(ValueError):  # the cell is empty
@@ -192,10 +196,8 @@ class _Math(ModuleType):
         plain = getattr(math, name)
         if not callable(plain):
             return plain
-        if name == "pow":
-            return lambda x, y: x**y
         if name == "fsum":
-            return sum
+            return lambda among: sum(given) if _holds_enclosed(given := [*among]) else math.fsum(given)
 
         def function(*arguments: Any) -> Any:
             evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
@@ -205,6 +207,8 @@ class _Math(ModuleType):
                 return plain(arguments[0])
             if name == "fmod" and isinstance(first := arguments[0], Enclosed):
                 return first.fmod(arguments[1])
+            if name == "pow":
+                return arguments[0] ** arguments[1]
             arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
             if name in _OF_FINITE:
                 return _OF_FINITE[name]
@@ -229,9 +233,11 @@ class _Numpy(ModuleType):
         if name not in _FILLED_WITH_FLOATS:
             return value
 
-        def filled(*arguments: Any, dtype: Any = None, **options: Any) -> Any:
-            floats = dtype in (None, float, np.float64, "float", "float64")
-            return value(*arguments, dtype=object if floats else dtype, **options)
+        def filled(*arguments: Any, **options: Any) -> Any:
+            if options.get("dtype") in (float, np.float64, "float", "float64"):
+                del options["dtype"]
+            made = value(*arguments, **options)
+            return made.astype(object) if made.dtype == float else made
 
         return filled
 

@@ -121,33 +121,36 @@ class Enclosed:
         return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
     @_lifts_other
-    def __gt__(self, o: Enclosed) -> bool:
-        """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap."""
-        return self.evaluation.decide(self.value, o.value)
+    def __gt__(self, o: Enclosed) -> Any:
+        """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap.
+
+        The answer is NumPy's, as of components: of two such, + is "or", and ~ is "not".
+        """
+        return np.bool_(self.evaluation.decide(self.value, o.value))
 
     @_lifts_other
-    def __lt__(self, o: Enclosed) -> bool:
+    def __lt__(self, o: Enclosed) -> Any:
         """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
-        return self.evaluation.decide(o.value, self.value)
+        return np.bool_(self.evaluation.decide(o.value, self.value))
 
     @_lifts_other
-    def __ge__(self, o: Enclosed) -> bool:
+    def __ge__(self, o: Enclosed) -> Any:
         """True if self is greater, or both are the same exact number; else as >."""
-        return self.evaluation.decide(self.value, o.value, at_zero=True)
+        return np.bool_(self.evaluation.decide(self.value, o.value, at_zero=True))
 
     @_lifts_other
-    def __le__(self, o: Enclosed) -> bool:
+    def __le__(self, o: Enclosed) -> Any:
         """True if self is less, or both are the same exact number; else as <."""
-        return self.evaluation.decide(o.value, self.value, at_zero=True)
+        return np.bool_(self.evaluation.decide(o.value, self.value, at_zero=True))
 
     @_lifts_other
-    def __eq__(self, o: Enclosed) -> bool:
+    def __eq__(self, o: Enclosed) -> Any:
         """False if the two certainly differ, True if they are the same exact number. Raises Refused otherwise."""
-        return bool(self >= o and self <= o)
+        return self >= o and self <= o
 
     def __bool__(self) -> bool:
         """True if the number is certainly not 0. Raises Refused otherwise."""
-        return self != 0
+        return bool(self != 0)
 
     def __abs__(self) -> Enclosed:
         """x or -x, by the sign of x on the whole box; as text |x|. Raises Refused if the sign is not known."""
@@ -228,7 +231,14 @@ class Enclosed:
         if ufunc.__name__ in ("copysign", "exprel", "fmod", "heaviside", "sign"):  # which have no loop over objects
             call = lambda first, *more: getattr(enclosed(self.evaluation, first), ufunc.__name__)(*more)
             return enclosed(self.evaluation, np.vectorize(call, otypes=[object])(*inputs))
-        result = ufunc(*(_boxed(x) for x in inputs))
+        try:
+            result = ufunc(*(_boxed(x) for x in inputs))
+        except TypeError as error:
+            if isinstance(error.__cause__, Refused):
+                raise error.__cause__ from None
+            if "not supported" not in str(error):
+                raise
+            raise Refused(f"f uses {ufunc.__name__}, which has no enclosure") from None
         return enclosed(self.evaluation, result) if ufunc.__name__ in SELECTING else _unboxed(result)
 
     def __getattr__(self, name: str) -> Callable[[], Enclosed]:
@@ -237,6 +247,8 @@ class Enclosed:
             return lambda: self._analytic(*_ANALYTIC[name])
         if name in _BY_OTHERS:
             return lambda: _BY_OTHERS[name](self)
+        if isinstance(getattr(np, name, None), np.ufunc):  # not an AttributeError, which f may catch
+            raise Refused(f"f uses {name}, which has no enclosure")
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
@@ -286,6 +298,7 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "sinh": lambda x: (x.exp() - (-x).exp()) / 2,
     "cosh": lambda x: (x.exp() + (-x).exp()) / 2,
     "tanh": lambda x: 1 - 2 / ((2 * x).exp() + 1),
+    "exp2": lambda x: 2**x,
     "expm1": lambda x: x.exp() - 1,
     "log1p": lambda x: (1 + x).log(),
     "log2": lambda x: x.log() / Enclosed(x.evaluation, arb(2).log()),

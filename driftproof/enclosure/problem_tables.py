@@ -70,7 +70,7 @@ def given_problem(given: Any, parameters: GivenParameters = ()) -> GivenTable:
     `parameters` replace those of the table, or are keywords of a function.
     """
     if parameters and callable(given):
-        given = {"function": given}
+        return GivenTable(partial(time_first(given), **_arguments({"parameters": dict(parameters)})))
     if isinstance(given, Mapping):
         return _of_table(with_parameters(as_toml(given), parameters))
     if isinstance(given, str | Path) and str(given).endswith(".toml"):
@@ -84,7 +84,7 @@ def with_parameters(table: TomlTable, parameters: GivenParameters, name: str = "
     """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
     if not parameters:
         return table
-    values = {each: str(value) for each, value in dict(parameters).items()}
+    values = {each: as_toml(value) for each, value in dict(parameters).items()}
     held = as_table(table.get("parameters", {}), "parameters")
     if others := [each for each in values if each not in held and "function" not in table]:
         raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
@@ -109,6 +109,7 @@ def as_toml(value: Any) -> Any:
         return {key: as_toml(each) for key, each in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
         return [as_toml(each) for each in value]
+    value = value.item() if isinstance(value, np.generic) else value
     return str(value) if isinstance(value, float | Fraction) else value
 
 
@@ -121,7 +122,7 @@ def _function(table: TomlTable) -> RightHandSide:
         own = imported_object(as_text(own, "function"), "function")
     if not callable(own):
         raise ValueError(f"function is {type(own).__name__}, which cannot be called")
-    return partial(time_first(own), **_doubles(table))
+    return partial(time_first(own), **_arguments(table))
 
 
 def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:
@@ -140,15 +141,21 @@ def _energy(table: TomlTable) -> str | None:
     """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
     if "rates" in table or "energy" not in table:
         return energy_of_table(table)
-    doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
+    doubles = {name: Fraction(x) for name, x in _arguments(table).items()}
     names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
     return rate_of_text(as_text(table["energy"], "energy"), names)
 
 
-def _doubles(table: TomlTable) -> dict[str, float]:
-    """The parameters of a function, as doubles."""
+def _arguments(table: TomlTable) -> dict[str, Any]:
+    """The parameters of a function."""
     given = as_table(table.get("parameters", {}), "parameters")
-    return {name: float(rational_entry(x, f"parameters.{name}")) for name, x in given.items()}
+    return {name: _argument(x, f"parameters.{name}") for name, x in given.items()}
+
+
+def _argument(value: Any, where: str) -> Any:
+    """The number as f is given it: a number of Python or NumPy as it is, the double nearest to any other."""
+    plain = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    return value if plain else float(rational_entry(value, where))
 
 
 def rational_entry(value: object, where: str) -> Fraction:

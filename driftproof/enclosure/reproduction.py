@@ -28,6 +28,7 @@ ROUNDINGS_OF_TIME = 8
 UNDERFLOW = arb(2) ** -1022
 # The number of points at which this is checked, evenly spread.
 MOST_REPRODUCED = 64
+_CALLED_AGAIN = "in a second call, with the time as a NumPy number, not a float"
 # The number of places around a start; chosen: states differ by up to 8 from it, or by eight times its size, and are no
 # round numbers, at which f may jump.
 _PLACES, _NOT_ROUND = 12, 0.8137
@@ -55,14 +56,35 @@ def reproduced_field(
     field = made()
     in_balls, answered = field_function(field), lambda t, y: first.pop() if first else f(t, y)
     for t, y in (*places, *reversed(places)):
-        try:
-            with np.errstate(all="ignore"):  # of NumPy's logarithm of a negative number, say
-                require_reproduced(answered, in_balls, [t], [y])
-        except NotReproduced:
-            raise
-        except (Refused, ValueError):
-            continue
+        _require_reproduced_if_possible(answered, in_balls, t, y)
     return field
+
+
+def _require_reproduced_if_possible(f: RightHandSide, in_balls: RightHandSide, t: float, y: Sequence[float]) -> None:
+    """Do what `require_reproduced` does, unless f has no value at this place."""
+    try:
+        with np.errstate(all="ignore"):  # of NumPy's logarithm of a negative number, say
+            require_reproduced(f, in_balls, [t], [y])
+    except NotReproduced:
+        raise
+    except (Refused, ValueError):
+        return
+
+
+def require_reproduced_between(
+    f: RightHandSide, in_balls: RightHandSide, times: Sequence[float], states: Sequence[Sequence[float]]
+) -> None:
+    """Raise NotReproduced as `require_reproduced` does, at places between the points of a trajectory as well.
+
+    Places where f has no value are left out: they are not on the solution.
+    """
+    require_reproduced(f, in_balls, times, states)
+    intervals = len(times) - 1
+    for k in range(MOST_REPRODUCED if intervals else 0):
+        i, part = divmod(intervals * (k + _NOT_ROUND) / MOST_REPRODUCED, 1)
+        (t, y), (other, at_other) = ((times[j], states[j]) for j in (int(i), int(i) + 1))
+        state = [a + part * (b - a) for a, b in zip(y, at_other, strict=True)]
+        _require_reproduced_if_possible(f, in_balls, t + part * (other - t), state)
 
 
 def require_reproduced(
@@ -70,12 +92,12 @@ def require_reproduced(
 ) -> None:
     """Raise NotReproduced unless f in floats agrees with f in balls, up to rounding, at points of a trajectory.
 
-    f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected. Raises
-    Refused where f has no value.
+    f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected; first with
+    the time as a float, then as a number of NumPy, as SciPy gives it. Raises Refused where f has no value.
     """
     checked = sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
-    backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
+    backwards = [_rates_in_floats(f, np.float64(times[i]), states[i]) for i in reversed(checked)]
     for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
         t, balls = times[i], [arb(x) for x in states[i]]
         if len(given) != len(balls):
@@ -93,7 +115,7 @@ def require_reproduced(
             raise Refused(f"f or its derivative is not finite at t = {t}")
         for j, (a, again) in enumerate(zip(given, repeated, strict=True)):
             if abs(arb(a) - again) > 2 * allowed:
-                raise NotReproduced(f"f is {a!r} at t = {t}, component {j}, but {again!r} in a second call")
+                raise NotReproduced(f"f is {a!r} at t = {t}, component {j}, but {again!r} {_CALLED_AGAIN}")
         off = [j for j, (a, b) in enumerate(zip(given, rates, strict=True)) if not abs(arb(a) - b) <= allowed]
         if off and not _jumps_beside(in_balls, t, balls, given, allowed):
             said = f"f in floats is {given[off[0]]!r} at t = {t}, component {off[0]}"

@@ -22,6 +22,7 @@ BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
 # chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
 # Numbers in a file, which names may not be: whole ones may, as those of the columns of a data frame.
+_HEXADECIMAL = re.compile(r"[-+]?0x([\da-f]*\.?[\da-f]+)")
 _SEPARATOR, _WHOLE = re.compile(r"[,;\s]+"), re.compile(r"\d+")
 # A comma between digits, in a line where other signs separate numbers.
 _DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
@@ -97,7 +98,12 @@ def _floats(name: str, values: Any) -> Any:
     if not np.isfinite(found).all():
         where = np.argwhere(~np.isfinite(found))[0].tolist()
         raise Refused(f"{name}{where} is {found[tuple(where)]}, not a finite number")
-    return found.astype(float)
+    made = found.astype(float)
+    with np.errstate(invalid="ignore"):  # of 2^63 as an integer
+        off = np.argwhere(made.astype(found.dtype) != found)
+    if off.size:
+        raise Refused(f"{name}{off[0].tolist()} is {found[tuple(off[0])]}, which is no double")
+    return made
 
 
 def read_trajectory(path: Path, unknowns: Sequence[str] = ()) -> Trajectory:
@@ -160,12 +166,14 @@ def _columns(path: Path, unknowns: Sequence[str]) -> tuple[ReadColumns, list[lis
 
 def float_of_text(word: str) -> float:
     """The double nearest to a decimal, or the one with these hexadecimal digits. Raises ValueError."""
+    digits = _HEXADECIMAL.match(word.lower())
     try:
-        if "0x" in word.lower():
-            return float.fromhex(word)
-        return float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
+        found = float.fromhex(word) if digits else float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
     except (ValueError, OverflowError):
         raise ValueError(f"{word[:40]!r} is not a number") from None
+    if digits and len(f"{int(digits[1].replace('.', ''), 16):b}".strip("0")) > 53:
+        raise ValueError(f"{word[:40]!r} has more digits than a double")
+    return found
 
 
 def _is_number(word: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from decimal import localcontext
 from fractions import Fraction
 
 import pytest
@@ -13,7 +14,7 @@ from driftproof.enclosure.certificate import ALL_DIGITS, Certificate, Drift, Spl
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.looping import exactly
 
-ROWS = ((arb(0), arb(0)), (arb(0.25, 2**-60), arb(-0.75)), (arb(0.5), arb(1) / 3))
+ROWS = ((arb(0), arb(-1).exp() - 0.4), (arb(0.25, 2**-60), arb(-0.75)), (arb(0.5), arb(1) / 3))
 PLAIN = Certificate(
     t=(0.0, 0.5, 1.0), y=((1.0, 1.0),) * 3, errors=ROWS, digits_at=(17, 0, 1), bits=128, steps=7, doubles=(0.1, -3.7)
 )
@@ -68,6 +69,8 @@ def test_json_holds_every_ball():
                 middle, radius = Fraction(ball["midpoint"]), Fraction(ball["radius"])
                 assert middle - radius <= low <= high <= middle + radius
                 assert radius <= 2 * (high - low) + Fraction(1, 10**24)
+    with localcontext(prec=6):
+        assert json.loads(WHOLE.json()) == record
     assert record["largest_error"] == {
         "component": 1, "midpoint": "7.5e-1", "point": 1, "radius": "0", "t": "0.5"
     }  # fmt: skip

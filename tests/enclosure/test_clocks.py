@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from flint import arb, ctx
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
 from driftproof import certify
 from driftproof.enclosure import solutions, stiff
@@ -123,6 +123,11 @@ def folded(t):
 
 DATA_OF = {
     "interp": (lambda t: np.interp(t, KNOTS, DATA), KNOTS, lines),
+    "interp of a period": (
+        lambda t: np.interp(t, [4.25, 1.0], [0.0, 1.0], period=-2),
+        [Fraction(k, 4) for k in (1, 4, 9, 12, 17)],
+        lambda t: (t - Fraction(1, 4)) % 2 * 4 / 3 if (t - Fraction(1, 4)) % 2 < 0.75 else (9 - 4 * t) % 8 / 5,
+    ),
     "interp with ends": (
         lambda t: np.interp(t, KNOTS, DATA, left=7.0, right=2.0),
         KNOTS,
@@ -147,8 +152,30 @@ def test_integral_of_measured_data_is_enclosed(name):
 
 def test_derivative_of_a_spline_is_that_of_its_pieces():
     found = enclose_solution(lambda t, y: [CUBIC(t, 1)], [Fraction(0)], [Fraction(1), Fraction(4)])
-    whole = polynomial(CUBIC, Fraction(4)) - polynomial(CUBIC, Fraction(1))
-    assert off(found, whole) < 1e-15  # its coefficients are rounded
+    whole = Fraction(0)
+    for i in (1, 2):
+        c, width = [Fraction(float(x)) for x in CUBIC.c[:, i]], Fraction(KNOTS[i + 1]) - Fraction(KNOTS[i])
+        whole += ((c[0] * width + c[1]) * width + c[2]) * width
+    assert off(found, whole) < 1e-30
+
+
+class Positive(CubicSpline):
+    def __call__(self, x, *more):
+        return np.maximum(super().__call__(x, *more), 0.0)
+
+
+def test_splines_of_other_rules_are_refused():
+    wrong = PPoly(np.array([[1.0, -1.0], [0.0, 1.0]]), [2.0, 1.0, 0.0])
+    of_complex, positive = PPoly(np.array([[1j], [1.0]]), [0.0, 5.0]), Positive(KNOTS, DATA)
+    for said, f in (
+        ("converts a number to a float", lambda t, y: [positive(t)]),
+        ("f uses complex data", lambda t, y: [abs(np.interp(t, [0, 5], [1j, 1]))]),
+        ("f uses complex data", lambda t, y: [abs(of_complex(t))]),
+        ("whose knots decrease", lambda t, y: [wrong(t)]),
+        ("an integral of a spline", lambda t, y: [CUBIC(t, -1)]),
+    ):
+        with pytest.raises(Refused, match=said):
+            enclose_solution(f, [Fraction(0)], [Fraction(1), END])
 
 
 def switched(t, y):

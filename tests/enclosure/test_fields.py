@@ -10,7 +10,7 @@ from math import sin
 import numpy as np
 import pytest
 from flint import arb, ctx
-from numpy import zeros
+from numpy import interp, maximum, sign, zeros
 from scipy.interpolate import interp1d
 
 from driftproof.enclosure.evaluations import Evaluation, Refused
@@ -148,6 +148,44 @@ def scaled(t, y, factor):
     return [math.cos(x) * factor for x in y]
 
 
+def sharing(t, y):
+    """What functions write, others read."""
+    factor = 1.0
+
+    def update():
+        nonlocal factor
+        factor = 5.0 if y[0] > 0 else 1.0
+
+    update()
+    return factor * y * sharing.scale
+
+
+def noting(t, y):
+    global NOTED
+    NOTED = 2 * y[0]
+    return [noted(), y[1]]
+
+
+def noted():
+    return NOTED
+
+
+sharing.scale, NOTED = 0.5, 0.0
+
+
+def of_constants(t, y):
+    return [
+        math.fsum([0.1] * 10) * y[0] + math.pow(7, 25),
+        maximum(-y, 0.1)[0] * sign(y[1]) + interp(t, [0, 1], [2.0, 0.5]),
+    ]
+
+
+def into_integers(t, y):
+    kept, other = np.full(2, 3), np.zeros_like(np.array([1, 2]))
+    kept[0], other[1] = 2.7 * y[1], -2.7 * y[1]
+    return kept + 1.0 * other + np.exp2(y) + [round(y[1], 1), y[0] % 0.25]
+
+
 FIELDS = [
     *(filled, filled_by_name, through_helpers, of_many_functions, Oscillator().field, Oscillator()),
     lambda t, y: MATRIX @ y + np.cos(t),
@@ -161,7 +199,19 @@ FIELDS = [
     # As strangers write them.
     lambda t, y: [+repeated(y[0], 3), np.square(y[1]) - np.reciprocal(y[0])],
     *(calling_each_other, partial(scaled, factor=0.5)),
-    *(guarded, in_place, out_of_pieces, of_a_matrix, by_axes, lists, clipped),
+    *(
+        guarded,
+        in_place,
+        out_of_pieces,
+        of_a_matrix,
+        by_axes,
+        lists,
+        clipped,
+        sharing,
+        noting,
+        of_constants,
+        into_integers,
+    ),
 ]
 
 

@@ -112,6 +112,19 @@ def test_number_does_not_become_a_float(turned):
         turned(ball(arb(1)))
 
 
+def test_truth_values_of_comparisons_are_those_of_components():
+    small, large, three = ball(arb(1)), ball(arb(2)), np.array([1.0, 2.0])
+    for x, y in ((small, large), three):
+        assert (x < y) + (y > x) == 1
+        assert [~(x < y), ~(x >= y), (x == y) | (x <= y)] == [False, True, True]
+
+
+def test_functions_that_are_refused_are_not_caught_as_other_errors():
+    for function in (np.spacing, np.arcsinh):
+        with pytest.raises(Refused, match=f"f uses {function.__name__}, which has no enclosure"):
+            function(ball(arb(1)))
+
+
 OF_TWO = {
     "fmod": math.fmod,
     "copysign": math.copysign,

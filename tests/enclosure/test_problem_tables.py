@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction as Q
 
+import numpy as np
 import pytest
 
 from driftproof.enclosure.problem_tables import given_problem, problem_table
@@ -26,6 +27,10 @@ def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
     assert dict(given_problem(spring, {"k": "1/3"}).f.parameters) == {"k": Q(1, 3), "c": Q(1)}
     found = given_problem(lambda t, y, k: [k * y[0]], [("k", "0.5")]).f
     assert found(0.0, [3.0]) == [1.5]
+    told = {"single": np.float32(0.1), "half": np.float16(0.1), "large": 2**53 + 1, "third": Q(1, 3)}
+    assert given_problem(lambda t, y, **its: its, told).f(0.0, []) == told | {"third": 1 / 3}
+    of_table = given_problem({"function": lambda t, y, **its: its, "parameters": told}).f(0.0, [])
+    assert of_table == told | {"third": 1 / 3}
     for given, words in (
         (spring, "unknown parameter 'g'; choose from k, c"),
         ({"rates": ["y0"]}, "no parameter 'g'; it has none"),

@@ -10,7 +10,12 @@ import pytest
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.problem_tables import problem_table
-from driftproof.enclosure.reproduction import NotReproduced, reproduced_field, require_reproduced
+from driftproof.enclosure.reproduction import (
+    NotReproduced,
+    reproduced_field,
+    require_reproduced,
+    require_reproduced_between,
+)
 from driftproof.enclosure.traced_fields import field_of_function
 
 
@@ -68,6 +73,23 @@ FUNCTIONS = {
 def test_twin_a_function_is_its_text_where_it_has_values(name):
     f, start = FUNCTIONS[name]
     assert len(problem_table({"function": f, "start": start, "end": "2"}).field.rates) == len(start)
+
+
+def test_places_between_the_points_of_a_run_are_compared():
+    bump = lambda t, y: [5.0 if 1 < t < 3 else 1.0]
+    with pytest.raises(NotReproduced, match=r"f in floats is 5\.0 at t = "):
+        require_reproduced_between(bump, lambda t, y: [1.0], [0.0, 4.0], [[0.0], [12.0]])
+    holed = lambda t, y: [np.sqrt(abs(t - 1) - 0.5)]
+    require_reproduced_between(holed, enclosable(holed), [0.0, 2.0], [[2.0], [2.0]])
+
+
+def test_what_depends_on_the_type_of_the_time_is_refused():
+    """Of NumPy's truth values + is "or"."""
+    counted = lambda t, y: [1.0 * ((t > 0.5) + (t > 1))]
+    with pytest.raises(
+        NotReproduced, match=r"f is 2\.0 at .* but 1\.0 in a second call, with the time as a NumPy number"
+    ):
+        require_reproduced(counted, enclosable(counted), [0.0, 2.0], [[0.0], [1.0]])
 
 
 def test_points_of_a_run_need_values_and_places_around_a_start_do_not():

@@ -67,6 +67,13 @@ def test_file_of_one_array_has_the_time_first(tmp_path):
         read_trajectory(tmp_path / "run.npy")
 
 
+def test_integers_that_are_no_doubles_are_refused():
+    assert trajectory_of([0, 1], [[2**53], [2**53 + 2]]).states == [[2.0**53], [2.0**53 + 2]]
+    for x in (2**53 + 1, 2**63 - 1):
+        with pytest.raises(Refused, match=rf"y\[1, 0\] is {x}, which is no double"):
+            trajectory_of([0, 1], np.array([[0], [x]]))
+
+
 def test_binary32_is_seen():
     assert trajectory_of(TIMES.astype(np.float32), STATES.astype(np.float32)).unit == BINARY32_UNIT
     assert trajectory_of([0, 1], [[1.0], [1e300]]).unit == BINARY64_UNIT
@@ -82,6 +89,7 @@ WRONG = {
     "0,1\n0,2\n": r"run\.csv: times must increase, but t\[1\] = 0\.0 is not above t\[0\] = 0\.0",
     "t,y\n": r"run\.csv: it has no numbers; write a line for each time",
     "": r"run\.csv: it has no numbers",
+    "0,0x1.00000000000008p+0\n": r"run\.csv:1: '0x1\.00000000000008p\+0' has more digits than a double",
 }
 
 
@@ -120,6 +128,16 @@ def test_object_without_a_trajectory_is_refused():
         trajectory_of(SimpleNamespace(t=TIMES))
 
 
-@pytest.mark.parametrize(("word", "x"), [("0x1.8p+0", 1.5), ("-0X1P-1", -0.5), ("1.5d0", 1.5), ("1D-3", 1e-3)])
+@pytest.mark.parametrize(
+    ("word", "x"),
+    [
+        ("0x1.8p+0", 1.5),
+        ("-0X1P-1", -0.5),
+        ("1.5d0", 1.5),
+        ("1D-3", 1e-3),
+        ("0x3.ffffffffffffe0p0", 4 - 2.0**-51),
+        ("0x.0p+0", 0.0),
+    ],
+)
 def test_number_is_read_to_the_last_bit(word, x):
     assert float_of_text(word) == x
