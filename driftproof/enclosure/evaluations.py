@@ -40,42 +40,45 @@ class Refused(ArithmeticError):
         Refused.made += 1
 
 
-# What a refusal says of a quotient whose numerator may vanish with its denominator, and of a comparison.
-ZERO_BY_ZERO, COMPARES = "f divides a number that may be 0 by one that may be 0", "f compares numbers"
+class Stiff(Refused):
+    """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
+
+
+class ZeroByZero(Refused):
+    """f divides a number that may be 0 by one that may be 0."""
+
+
+class Undecided(Refused):
+    """f compares numbers, or takes the floor of one, and the balls allow two outcomes."""
+
+
 TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
 
 
-def not_smooth(t: Fraction | float, reason: str = "") -> Refused:
-    """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from why they are so short."""
+def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
+    """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from what f refuses ahead."""
     near = f"near t = {float(t):.9g}"
-    if reason.startswith(ZERO_BY_ZERO):
-        remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, a function for certify may use 1/exprel(-x) "
-        remedy += "of scipy.special, which problems to compare methods on may not"
+    if isinstance(obstacle, ZeroByZero):
+        remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, write 1/exprel(-x) in functions for certify, "
+        remedy += "exprel from scipy.special; problems on which methods are compared cannot have it"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
-    if reason.startswith(COMPARES):
+    if isinstance(obstacle, Undecided):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        return Refused(f"{COMPARES} that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
+        return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
-
-
-class Stiff(Refused):
-    """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
 
 
 @dataclass
 class Evaluation:
     """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
 
-    `taken` collects the outcomes, and the integers of floors.
-    `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
-    tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
-    `span` holds the first and last time of a step, the last None for times just after the first, for comparisons of the
-    time (see `clocks`); it is None at a single time. Models are compared for 0 <= σ <= 1 if it goes
-    `forward` from the middle of their disc, else for -1 <= σ <= 1.
+    It decides comparisons at a point, or for all times of a step, on p or on the tube around it. `taken` collects the
+    outcomes, and the integers of floors. `span` holds the first and last time of a step, the last None for times just
+    after the first, for comparisons of the time (see `clocks`); it is None at a single time. Models are compared for
+    0 <= σ <= 1 if it goes `forward` from the middle of their disc, else for -1 <= σ <= 1.
     """
 
-    decided: Sequence[int] | None = None
     taken: list[int] = field(default_factory=list)
     doubles: set[float] = field(default_factory=set)
     span: tuple[Fraction, Fraction | None] | None = None
@@ -86,8 +89,6 @@ class Evaluation:
 
         At a single time two exact numbers may be equal, as of floats; then the answer is `at_zero`.
         """
-        if self.decided is not None:
-            return bool(self._as_decided())
         difference = greater - less
         values = self._between(difference)
         if all(x > 0 for x in values):
@@ -103,8 +104,6 @@ class Evaluation:
 
     def floor(self, x: Value) -> int:
         """The integer k with k <= x < k + 1, in a span also with k = x if x falls. Raises Refused if there are two."""
-        if self.decided is not None:
-            return self._as_decided()
         balls = [x if isinstance(x, arb) else x.range(arb(0, 1)) for x in self._between(x)]
         if not all(ball.is_finite() for ball in balls):
             raise Refused("f takes the floor of a number that may be infinite")
@@ -119,17 +118,11 @@ class Evaluation:
 
     def undecided(self, greater: Value, less: Value, at_zero: bool) -> bool:
         """Raise Refused: neither outcome is certain."""
-        raise Refused(f"{COMPARES} whose enclosures overlap")
+        raise Undecided("f compares numbers whose enclosures overlap")
 
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""
         return analytic(name, x)
-
-    def _as_decided(self) -> int:
-        if self.decided is None or len(self.taken) == len(self.decided):
-            raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
-        self.taken.append(self.decided[len(self.taken)])
-        return self.taken[-1]
 
     def _between(self, x: Value) -> tuple[Value, ...]:
         """Numbers between which the value lies: the ends of a model, or the value itself."""
@@ -150,6 +143,24 @@ class Evaluation:
         if isinstance(x, Rational):
             return arb(fmpq(x.numerator, x.denominator))
         raise Refused(f"f uses a {type(x).__name__} as a number")
+
+
+@dataclass
+class Replay(Evaluation):
+    """A run on Taylor series, which are not compared: it takes the outcomes at the point of expansion."""
+
+    outcomes: Sequence[int] = ()
+
+    def decide(self, greater: Value, less: Value, at_zero: bool = False) -> bool:
+        """The next outcome. Raises Refused behind the last."""
+        return bool(self.floor(greater))
+
+    def floor(self, x: Value) -> int:
+        """The next outcome. Raises Refused behind the last."""
+        if len(self.taken) == len(self.outcomes):
+            raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
+        self.taken.append(self.outcomes[len(self.taken)])
+        return self.taken[-1]
 
 
 def analytic(name: str, x: Value) -> Value:

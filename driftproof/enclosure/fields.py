@@ -106,6 +106,8 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
         return _MODULE_MATH
     if value is np:
         return _MODULE_NUMPY
+    if value is np.linalg:
+        return _MODULE_NUMPY.linalg
     if isinstance(value, BuiltinFunctionType) and getattr(math, str(name), None) is value:
         return getattr(_MODULE_MATH, str(name))
     if isinstance(name, str) and name in _REPLACED and getattr(np, name, None) is value:
@@ -143,7 +145,7 @@ def _with_splines(owner: Any) -> Any:
 
 def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
     # What several functions share, they share as copies: one may write what another reads.
-    names = known.setdefault(id(f.__globals__), dict(f.__globals__))
+    names = known.setdefault(id(f.__globals__), f.__globals__ | {"__builtins__": _BUILTINS})
     cells = tuple(known.setdefault(id(cell), CellType()) for cell in f.__closure__ or ())
     copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
     copy.__kwdefaults__, copy.__dict__ = f.__kwdefaults__, f.__dict__
@@ -154,8 +156,6 @@ def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> Fun
     for name in _names_of(f.__code__):
         if name in names:
             names[name] = _rebound(names[name], known, depth + 1)
-        elif name in ("max", "min"):
-            names[name] = _chosen(getattr(builtins, name))
     return copy
 
 
@@ -187,6 +187,14 @@ def _chosen(choose: Callable[..., Any]) -> Callable[..., Any]:
         return _among(among, choose(among, **options))
 
     return chosen
+
+
+def _imported(*arguments: Any, **options: Any) -> Any:
+    """What an import in the body of f finds."""
+    return _rebound(builtins.__import__(*arguments, **options), {}, 0)
+
+
+_BUILTINS = vars(builtins) | {"max": _chosen(max), "min": _chosen(min), "__import__": _imported}
 
 
 class _Math(ModuleType):

@@ -16,7 +16,7 @@ from typing import Any, cast
 import numpy as np
 from flint import arb, arb_series, ctx
 
-from driftproof.enclosure.evaluations import ZERO_BY_ZERO, Evaluation, Refused, Value, analytic
+from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, analytic
 from driftproof.methods.number_field import dyadic
 
 # More terms than numbers up to 40 need; wider ranges come from steps that are too long.
@@ -89,7 +89,7 @@ class Enclosed:
     def __truediv__(self, o: Enclosed) -> Enclosed:
         inverse = _inverse(o.value)
         if isinstance(inverse, arb) and not inverse.is_finite() and self.value.contains(0):
-            raise Refused(ZERO_BY_ZERO)
+            raise ZeroByZero("f divides a number that may be 0 by one that may be 0")
         value = self.value * inverse
         return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 

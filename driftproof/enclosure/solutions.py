@@ -17,7 +17,7 @@ from flint import arb, arb_mat, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.crossings import Crossing, Window, crossed
-from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused, Stiff, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Refused, Stiff, Undecided, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
@@ -143,10 +143,10 @@ class _Path:
         try:
             decided = decisions(self.f, self.t, self.point, self.doubles)
         except Refused as refusal:
-            if str(refusal).startswith(COMPARES):
+            if isinstance(refusal, Undecided):
                 if self._cross((self.last - self.first) / 2**ctx.prec, error):
                     return
-                raise not_smooth(self.t, str(refusal)) from None
+                raise not_smooth(self.t, refusal) from None
             raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
         if self.weights is None:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
@@ -159,7 +159,7 @@ class _Path:
         except Crossing as ahead:
             if self._cross(ahead.s, error):
                 return
-            raise not_smooth(self.t + ahead.s, str(ahead)) from None
+            raise not_smooth(self.t + ahead.s, ahead) from None
         self.weights = self.step.next_weights
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
         # They grow behind a window in which the argument of a root was 0.
@@ -185,7 +185,7 @@ class _Path:
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone and not intended:
             obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
-            may_cross = obstacle.startswith(COMPARES)  # at a root that becomes 0, to which no step leads
+            may_cross = isinstance(obstacle, Undecided)  # at a root that becomes 0, to which no step leads
             near = 64 * step.h < WIDEST_WINDOW * (self.last - self.first)
             if may_cross and near and self._cross(16 * step.h, (self.basis * self.box).entries()):
                 return

@@ -23,7 +23,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.crossings import LEFT, Crossing, first_change
-from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused
+from driftproof.enclosure.evaluations import Evaluation, Refused, Replay, Undecided
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, series, size
@@ -121,16 +121,16 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
     return evaluation.taken
 
 
-def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> str:
-    """What f refuses on a box that the solution needs the time 16 h to leave, or "": a guess for a message."""
+def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> Refused | None:
+    """What f refuses on a box that the solution needs the time 16 h to leave, or None: a guess for a message."""
     evaluation, far = Evaluation(span=(t, None)), enclose(16 * h)
     try:
         rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
         box = [Enclosed(evaluation, x + rate.value * far * arb(0, 1)) for x, rate in zip(y, rates, strict=True)]
         enclosed_rates(f, Clock(evaluation, enclose(t) + far * arb(0, 1)), box)
     except Refused as refusal:
-        return str(refusal)
-    return ""
+        return refusal
+    return None
 
 
 class Expansion:
@@ -165,7 +165,7 @@ class Expansion:
                 continue
             except Refused as refusal:
                 reason = str(refusal)
-                if reason.startswith(COMPARES) and change is None:
+                if isinstance(refusal, Undecided) and change is None:
                     change = first_change(self.f, self.t, self.rows, self.decided, h)
                     before_it = iter([] if change is None else [change * (1 - left) for left in LEFT])
             if change is None:
@@ -245,7 +245,7 @@ class Expansion:
     def _on_series(self, length: int, *, slopes: bool) -> tuple[list[Any], list[list[Any]]]:
         cap, ctx.cap = ctx.cap, length
         try:
-            evaluation = Evaluation(self.decided, span=(self.t, None))
+            evaluation = Replay(outcomes=self.decided, span=(self.t, None))
             time, *state = (series(evaluation, row, length).value for row in ([enclose(self.t), arb(1)], *self.rows))
             return linearised(self.f, Clock(evaluation, time), state, slopes=slopes)
         finally:

@@ -21,7 +21,7 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
-from driftproof.enclosure.evaluations import COMPARES, Evaluation, Refused, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Refused, Undecided, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
 from driftproof.enclosure.numbers import Enclosed
@@ -106,7 +106,7 @@ class StiffPath:
         self.steps += 1
         if self.steps > self.most:
             raise Refused(f"{self.most} implicit steps, the limit, reach only t = {float(self.t):.9g}")
-        reason = "earlier errors grow too fast"
+        obstacle: Refused | None = None
         for _ in range(MOST_TRIES):
             h = min(_short(self.h), self.end - self.t)
             try:
@@ -115,7 +115,7 @@ class StiffPath:
                 self.end = cut.at
                 continue
             except Refused as refusal:
-                added, reason = inf, str(refusal)
+                added, obstacle = inf, refusal
             ratio = max(added / self.tolerance, 1e-30) ** (-1 / (1 + len(self.method.stages))) if added < inf else 0.0
             wanted, self.h = self.h, h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
             if added <= self.tolerance and self.step is not None:
@@ -126,10 +126,10 @@ class StiffPath:
                 elif h < SHORTEST_STIFF_PART * (self.t - self.first):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
-        only = (
-            "; a stiff problem needs implicit steps, which pass jumps at given times only" if COMPARES in reason else ""
-        )
-        raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}{only}", self.t)
+        reason = str(obstacle or "earlier errors grow too fast")
+        if isinstance(obstacle, Undecided):
+            reason += "; a stiff problem needs implicit steps, which pass jumps at given times only"
+        raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""

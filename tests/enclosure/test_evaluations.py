@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from driftproof.enclosure.evaluations import Evaluation, Refused
+from driftproof.enclosure.evaluations import Evaluation, Refused, Replay
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed
 
@@ -19,7 +19,7 @@ def test_comparisons_are_decided_recorded_and_replayed():
     x = Enclosed(evaluation, arb(1, 0.5))
     assert [x > 0, x < 0, x >= 2, x <= 2, x == 3, bool(x)] == [True, False, False, True, False, True]
     assert evaluation.taken == [True, False, False, True, False, True, False]  # != 0 asks >= and <=
-    replayed = Evaluation(decided=[False])
+    replayed = Replay(outcomes=[False])
     assert not Enclosed(replayed, arb(1, 0.5)) > 0
     with pytest.raises(Refused, match="a different branch"):
         _ = Enclosed(replayed, arb(1)) > 0
@@ -66,7 +66,7 @@ def test_floor_is_one_integer_or_refused(x, span, found):
     else:
         assert evaluation.floor(x) == found
         assert evaluation.taken == [found]
-        assert Evaluation(decided=[found]).floor(x + 7) == found
+        assert Replay(outcomes=[found]).floor(x + 7) == found
 
 
 def test_model_is_floored_both_ways_unless_it_goes_forward():

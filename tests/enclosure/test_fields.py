@@ -10,7 +10,7 @@ from math import sin
 import numpy as np
 import pytest
 from flint import arb, ctx
-from numpy import interp, maximum, sign, zeros
+from numpy import interp, linalg, maximum, sign, zeros
 from scipy.interpolate import interp1d
 
 from driftproof.enclosure.evaluations import Evaluation, Refused
@@ -160,6 +160,16 @@ def sharing(t, y):
     return factor * y * sharing.scale
 
 
+def importing(t, y):
+    import math
+    from math import log as ln
+
+    import numpy as np
+    from numpy.linalg import norm
+
+    return np.array([norm(y) * math.cos(y[0]), ln(max(y[1], 0.1)) + linalg.norm(y)])
+
+
 def noting(t, y):
     global NOTED
     NOTED = 2 * y[0]
@@ -209,6 +219,7 @@ FIELDS = [
         clipped,
         sharing,
         noting,
+        importing,
         of_constants,
         into_integers,
     ),

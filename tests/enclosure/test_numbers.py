@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_series, ctx
 
-from driftproof.enclosure.evaluations import Evaluation, Refused
+from driftproof.enclosure.evaluations import Evaluation, Refused, Replay
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, series
 
@@ -42,8 +42,8 @@ def test_value_and_derivative_are_those_of_the_function(name, x):
 def test_series_are_those_of_the_values_near_by(name):
     decided, small = [FUNCTIONS[name] > 0], arb(2) ** -8
     x = arb(FUNCTIONS[name])
-    along = getattr(np, name)(series(Evaluation(decided), [x, arb(1)], 10)).value
-    near = getattr(np, name)(ball(x + small, evaluation=Evaluation(decided))).value
+    along = getattr(np, name)(series(Replay(outcomes=decided), [x, arb(1)], 10)).value
+    near = getattr(np, name)(ball(x + small, evaluation=Replay(outcomes=decided))).value
     total = sum((arb_series(along)[k] * small**k for k in range(10)), arb(0))
     assert abs(total - near) < 1e-12
 

@@ -117,7 +117,7 @@ CHECKS = (
 GROWTH = "return (self.norm * s).exp()"
 DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
 FLOW = "error = (defect * tube.growth(step)).upper()"
-BRANCH = ("Evaluation(span=(self.t, self.t + h), for", "Evaluation(self.decided, span=(self.t, self.t + h), for")
+BRANCH = ("Evaluation(span=(self.t, self.t + h), for", "Replay(outcomes=self.decided, span=(self.t, self.t + h), for")
 WRONG = {
     "a radius halved": (dense_holds_neighbours, (GROWTH, "return (self.norm * s).exp() / 2")),
     "Gronwall's constant too small": (dense_holds_neighbours, (GROWTH, "return (self.norm * s / 2).exp()")),
