@@ -15,7 +15,7 @@ from flint import arb, arb_poly, ctx
 
 from driftproof.enclosure.branches import Branching, on_all_branches
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import Evaluation, Refused, Undecided, Value
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Value
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, size
@@ -35,7 +35,7 @@ FOLLOWED, CERTAIN = 10, 64
 LEFT = tuple(Fraction(1, 2**k) for k in (96, 48, 24, 12, 6, 3, 1))
 
 
-class Crossing(Undecided):
+class Crossing(Overlapping):
     """No step towards a change of f's comparisons can be proved; along the polynomial it comes after the time `s`."""
 
     def __init__(self, reason: str, s: Fraction) -> None:

@@ -48,7 +48,7 @@ class ZeroByZero(Refused):
     """f divides a number that may be 0 by one that may be 0."""
 
 
-class Undecided(Refused):
+class Overlapping(Refused):
     """f compares numbers, or takes the floor of one, and the balls allow two outcomes."""
 
 
@@ -62,7 +62,7 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
         remedy = "where that is no pole, as of x/(1 - exp(-x)) at x = 0, write 1/exprel(-x) in functions for certify, "
         remedy += "exprel from scipy.special; problems on which methods are compared cannot have it"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
-    if isinstance(obstacle, Undecided):
+    if isinstance(obstacle, Overlapping):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
         return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
@@ -118,7 +118,7 @@ class Evaluation:
 
     def undecided(self, greater: Value, less: Value, at_zero: bool) -> bool:
         """Raise Refused: neither outcome is certain."""
-        raise Undecided("f compares numbers whose enclosures overlap")
+        raise Overlapping("f compares numbers whose enclosures overlap")
 
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""

@@ -12,7 +12,7 @@ from flint import arb
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Refused, Undecided
+from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import linearised
@@ -105,7 +105,7 @@ def require_reproduced(
         try:
             rates, slopes = linearised(in_balls, Clock(Evaluation(), arb(t)), balls)
         except Refused as refusal:
-            if not isinstance(refusal, Undecided):
+            if not isinstance(refusal, Overlapping):
                 raise
             more = f"if f changes its form there, as friction at rest does, {TWO_RUNS}"
             raise Refused(f"{refusal} at t = {t}; {more}", refusal.t) from None

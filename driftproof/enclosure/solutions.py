@@ -17,7 +17,7 @@ from flint import arb, arb_mat, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.crossings import Crossing, Window, crossed
-from driftproof.enclosure.evaluations import Evaluation, Refused, Stiff, Undecided, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
@@ -59,13 +59,18 @@ WIDEST_WINDOW = Fraction(1, 2**50)
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Balls of the solution at `times`, with the `bits` and `steps` that they took and the `doubles` in f's code."""
+    """Balls of the solution at `times`, with the `bits` and `steps` that they took and the `doubles` in f's code.
+
+    `changes` are the times on the way where f changes, with a jump or a kink: those that it says itself, and about when
+    the solution crosses others.
+    """
 
     times: tuple[Fraction, ...]
     states: tuple[tuple[arb, ...], ...]
     bits: int
     steps: int
     doubles: tuple[float, ...]
+    changes: tuple[Fraction, ...] = ()
 
     @property
     def radius(self) -> arb:
@@ -92,7 +97,8 @@ def enclose_solution(
                 states = _states(path, times)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
             raise Refused("f or the solution is outside the range of doubles") from None
-        return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
+        doubles, changes = tuple(sorted(explicit.doubles | path.doubles)), tuple(path.changes)
+        return Enclosure(tuple(times), tuple(states), bits, path.steps, doubles, changes)
 
 
 def _states(path: _Path | StiffPath, times: Sequence[Fraction]) -> list[tuple[arb, ...]]:
@@ -122,7 +128,7 @@ class _Path:
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | Window | None = None
         self.weights: Weights | None = None
-        self.lengths, self.longest = list[Fraction](), LONGEST_STEP
+        self.lengths, self.longest, self.changes = list[Fraction](), LONGEST_STEP, list[Fraction]()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         if t == self.first:
@@ -143,7 +149,7 @@ class _Path:
         try:
             decided = decisions(self.f, self.t, self.point, self.doubles)
         except Refused as refusal:
-            if isinstance(refusal, Undecided):
+            if isinstance(refusal, Overlapping):
                 if self._cross((self.last - self.first) / 2**ctx.prec, error):
                     return
                 raise not_smooth(self.t, refusal) from None
@@ -161,6 +167,8 @@ class _Path:
                 return
             raise not_smooth(self.t + ahead.s, ahead) from None
         self.weights = self.step.next_weights
+        if expansion.jumped and self.step.t + self.step.h < self.last:
+            self.changes.append(self.step.t + self.step.h)
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
         # They grow behind a window in which the argument of a root was 0.
         grows = isinstance(before, Window) or (before is not None and self.step.h > before.h)
@@ -173,6 +181,7 @@ class _Path:
         while unit < WIDEST_WINDOW * (self.last - self.first):
             h = (self.t + 2 * unit) // unit * unit + unit - self.t  # so that the time behind it is short
             if (window := crossed(self.f, self.t, h, box)) is not None:
+                self.changes += [self.t] * (self.t > self.first)
                 self.step, self.t, self.longest = window, self.t + window.h, LONGEST_STEP
                 self.point, self.basis = [x.mid() for x in window.after], arb_mat(len(box), len(box), 1)
                 self.box = arb_mat([[x - m] for x, m in zip(window.after, self.point, strict=True)])
@@ -185,7 +194,7 @@ class _Path:
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone and not intended:
             obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
-            may_cross = isinstance(obstacle, Undecided)  # at a root that becomes 0, to which no step leads
+            may_cross = isinstance(obstacle, Overlapping)  # at a root that becomes 0, to which no step leads
             near = 64 * step.h < WIDEST_WINDOW * (self.last - self.first)
             if may_cross and near and self._cross(16 * step.h, (self.basis * self.box).entries()):
                 return

@@ -23,7 +23,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.crossings import LEFT, Crossing, first_change
-from driftproof.enclosure.evaluations import Evaluation, Refused, Replay, Undecided
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Replay
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, series, size
@@ -140,7 +140,8 @@ class Expansion:
         self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[int], weights: Weights
     ) -> None:
         """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are."""
-        self.f, self.t, self.length, self.decided, self.weights, self.cut = f, t, length, decided, weights, False
+        self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
+        self.cut = self.jumped = False
         self.rows, slopes, known, most = [[x] for x in y], list[arb_mat](), 1, _slopes_that_pay(len(y), length)
         while known < length:
             slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
@@ -148,8 +149,9 @@ class Expansion:
     def step(self, longest: Fraction, errors: Sequence[arb], nearest: Fraction = Fraction(0)) -> EnclosedStep:
         """A step of at most the length `longest`, valid for every start that differs from the point by the errors.
 
-        `cut` says afterwards whether it ends where f changes, or just before. Raises Refused if no disc on which f is
-        analytic is found, or no tube, and Crossing where f changes nearer than `nearest` and cannot be approached.
+        `jumped` says afterwards whether f changes at its end, and `cut` whether there or just behind. Raises Refused if
+        no disc on which f is analytic is found, or no tube, and Crossing where f changes nearer than `nearest` and
+        cannot be approached.
         """
         h, spread, cut = min(longest, self._first_length()), self._size(errors), None
         change: Fraction | None = None
@@ -158,14 +160,15 @@ class Expansion:
         for _ in range(MOST_SHORTENINGS):
             try:
                 if (made := self._attempt(h, spread)) is not None:
-                    self.cut = h == cut or change is not None
+                    self.jumped = h == cut
+                    self.cut = self.jumped or change is not None
                     return made
             except TimeCut as found:
                 h = cut = found.at - self.t
                 continue
             except Refused as refusal:
                 reason = str(refusal)
-                if isinstance(refusal, Undecided) and change is None:
+                if isinstance(refusal, Overlapping) and change is None:
                     change = first_change(self.f, self.t, self.rows, self.decided, h)
                     before_it = iter([] if change is None else [change * (1 - left) for left in LEFT])
             if change is None:

@@ -21,7 +21,7 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
-from driftproof.enclosure.evaluations import Evaluation, Refused, Undecided, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
 from driftproof.enclosure.numbers import Enclosed
@@ -91,7 +91,7 @@ class StiffPath:
         self.span, self.end, self.jumped = (first, last), last, False
         self.step: StiffStep | None = None
         self.needed = arb_mat(self.n, 1)
-        self.doubles: set[float] = set()
+        self.doubles, self.changes = set[float](), list[Fraction]()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         """Balls of the solution at t, which must not be before the t of an earlier call."""
@@ -122,12 +122,13 @@ class StiffPath:
                 self.t = self.step.t + self.step.h
                 self.jumped = self.t == self.end
                 if self.jumped:
+                    self.changes += [self.t] * (self.t < self.last)
                     self.h, self.end = max(self.h, wanted), self.last
                 elif h < SHORTEST_STIFF_PART * (self.t - self.first):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
         reason = str(obstacle or "earlier errors grow too fast")
-        if isinstance(obstacle, Undecided):
+        if isinstance(obstacle, Overlapping):
             reason += "; a stiff problem needs implicit steps, which pass jumps at given times only"
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 

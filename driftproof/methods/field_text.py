@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -223,6 +224,32 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
                 raise
             names[name] = f"({rate_of_text(str(value), names)})"
     return parameters, names
+
+
+def choices_as_functions(rate: str) -> str:
+    """A rate of a `VectorField` with sign, heaviside, max and min in place of the choices that they are written as.
+
+    >>> choices_as_functions(rate_of_text("max(y0, 1) - sign(y0 - 2)"))
+    'max(y0, 1) - sign(y0 - 2)'
+    """
+    return ast.unparse(_Shown().visit(ast.parse(rate, mode="eval")))
+
+
+class _Shown(ast.NodeTransformer):
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        self.generic_visit(node)
+        match node:
+            case ast.IfExp(test=ast.Compare(left=a, ops=[op], comparators=[b]), body=one, orelse=other):
+                apart = a if ast.unparse(b) == "0" else ast.BinOp(a, ast.Sub(), b)
+                said, sides = [ast.unparse(x) for x in (one, other)], [ast.unparse(x) for x in (a, b)]
+                otherwise = f"-1 if {sides[0]} < {sides[1]} else 0"
+                known = {("1", otherwise, "Gt"): "sign", ("1", "0", "GtE"): "heaviside"}
+                if (name := known.get((said[0], said[1], type(op).__name__))) is not None:
+                    return ast.Call(ast.Name(name, ast.Load()), [apart], [])
+                if said in (sides, sides[::-1]):
+                    largest = isinstance(op, ast.Gt | ast.GtE) == (said == sides)
+                    return ast.Call(ast.Name("max" if largest else "min", ast.Load()), [one, other], [])
+        return node
 
 
 class _Writer(tree.ExpressionParser):

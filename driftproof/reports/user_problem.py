@@ -29,6 +29,7 @@ from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
+from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
@@ -52,6 +53,9 @@ _LONGEST_TITLE = 200
 # A double 9.81 in f and the exact one in an energy make it change by some u of its terms: less than this many u is said
 # to be conserved.
 CONSTANTS_OFF = 1e6
+KINKED = "f has kinks or jumps"
+# Times of kinks that are shown.
+_MOST_TIMES = 5
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
 
@@ -132,7 +136,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
                 digits = tuple(tuple(_digits(x, size(true[t])) for x in true[t]) for t in times)
             said = f"enclosed in {found.steps} steps, {bits} bits"
             more = tuple((t, tuple(map(float, true[t]))) for t in sorted(between - {*times}))
-            return Reference(tuple(times), digits, CERTIFIED, said, more)
+            return Reference(tuple(times), digits, CERTIFIED, said, more, found.changes)
         except Refused as reason:
             refusal = Refused(str(reason).replace(TWO_RUNS, "give the problem an end before it"), reason.t)
             if reason.t is None:  # more bits lead no further
@@ -160,6 +164,15 @@ def _digits(x: arb, largest: arb) -> str:
     if places < ENCLOSED_DIGITS:
         raise Uncertified("the ball around 0 is too wide")
     return f"0e-{places}"
+
+
+def kinks_of(problem: Problem) -> str:
+    """Say where f changes, and what a method needs to keep its order: RK4's last stage is behind a jump at t + h."""
+    times = [f"{float(t):.6g}" for t in problem.reference.changes]
+    at = f" at t = {', '.join(times[:_MOST_TIMES])}" if times else ""
+    at += f" and {counted(len(times) - _MOST_TIMES, 'later time')}" if len(times) > _MOST_TIMES else ""
+    steps = "a method keeps its order only if its steps end there, and no stage takes f from the other side"
+    return f"{KINKED}{at}: {steps}, as a last one at t + h may"
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:

@@ -107,6 +107,20 @@ def test_solution_that_crosses_is_enclosed(name):
             assert ball.rad() < 1e-30
 
 
+@pytest.mark.parametrize(
+    ("f", "start", "times"),
+    [
+        (lambda t, y: [1.0 if t < 1 else 2.0, -1.0 if y[0] > 2 else 1.0], [0, 0], [1, 1.5]),
+        (lambda t, y: [y[1], abs(y[1]) + 1], [0, 0], []),
+        (lambda t, y: [-1000 * (y[0] - (t % 0.5)), 0], [0, 0], [0.5, 1, 1.5]),
+    ],
+    ids=["known and crossed", "at the start only", "stiff"],
+)
+def test_times_where_f_changes_are_told(f, start, times):
+    found = enclose_solution(f, [Fraction(x) for x in start], [Fraction(0), Fraction(2)])
+    assert [round(float(t), 12) for t in found.changes] == times
+
+
 def drawn(random):
     """y' = a + b y with other a > 0 and b in each of up to four ranges of y, from -3: f, the end, and y there."""
     limits = sorted(random.sample(range(-30, 31), random.randint(1, 3)))

@@ -11,6 +11,7 @@ from flint import arb, ctx
 
 from driftproof.methods.field_text import (
     PI,
+    choices_as_functions,
     energy_of_table,
     field_of_file,
     field_of_table,
@@ -86,6 +87,20 @@ def test_differences_are_compared_by_their_terms():
 def test_commas_in_brackets_are_those_of_a_function(between):
     texts = ("max(1, mod(t, 2 * (1 + y0)))", "(y0)")
     assert field_of_text(between.join(texts)) == field_of_text(texts)
+
+
+@pytest.mark.parametrize(
+    "text", ["sign(y0) * sin(t)", "heaviside(1 - t)", "max(y0, 1, t)", "min(2 * t, y0)", "floor(y0)", "abs(y0)"]
+)
+def test_choices_are_shown_as_the_functions_that_they_came_from(text):
+    shown = choices_as_functions(rate_of_text(text))
+    assert rate_of_text(shown) == rate_of_text(text)
+    assert " if " not in shown
+
+
+def test_other_choices_are_shown_as_they_are():
+    for rate in ("1 if t > 0 else 2", "t if y0 > 1 else 1", "1 if t >= 0 else -1 if t < 0 else 0"):
+        assert choices_as_functions(rate) == rate
 
 
 REFUSED = {

@@ -30,7 +30,8 @@ class Reference:
 
     `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
     the form, or says how the solution was enclosed. `between` has doubles of y at many other times, for its size and
-    for the largest error of a run: a force may have whole periods between a few equal times.
+    for the largest error of a run: a force may have whole periods between a few equal times. `changes` are the times
+    where f has a jump or a kink on the way, as far as they are known.
     """
 
     times: tuple[Fraction, ...]
@@ -38,6 +39,7 @@ class Reference:
     evidence: str
     source: str
     between: tuple[tuple[Fraction, tuple[float, ...]], ...] = ()
+    changes: tuple[Fraction, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise ValueError unless times rise, states have one length and the evidence is known."""

@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import partial
 
 from driftproof.methods.catalogue import Entry
+from driftproof.methods.field_text import choices_as_functions
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
@@ -19,6 +20,7 @@ from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, w
 from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
+from driftproof.reports.user_problem import kinks_of
 from driftproof.symbolic.facts import stated_orders
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
@@ -44,6 +46,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
     work = element("div", figure, work_table(found, stated_orders(methods)), class_="beside")
+    kinks = element("p", escaped(kinks_of(problem)), class_="note")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
     rows = [row[columns] for row in (["Method", "Step sizes that it can take", "Expected"], *rows)]
@@ -55,7 +58,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
         [
             element("p", escaped(_setting(problem)), class_="setting"),
             "" if scene is None else element("section", element("h3", "Scene"), _scene(scene), class_="panel"),
-            element("section", element("h3", "Work"), work, class_="panel"),
+            element("section", element("h3", "Work"), *[kinks] * (not problem.field.smooth), work, class_="panel"),
             element("section", element("h3", "Stability"), table, class_="panel"),
         ]
     )
@@ -76,7 +79,7 @@ def _setting(problem: Problem) -> str:
     """Equations, start and parameters if they are short enough to be read; the end; and the source."""
     field = problem.field
     names = problem.unknowns or field.components
-    written = field.at(dict(zip(field.components, names, strict=True)))
+    written = map(choices_as_functions, field.at(dict(zip(field.components, names, strict=True))))
     rates = [f"{y}′ = {rate}" for y, rate in zip(names, written, strict=True)]
     start = [f"{y}(0) = {x}" for y, x in zip(names, problem.start, strict=True)]
     parameters = [f"{name} = {_short(value)}" for name, value in field.parameters if name != "pi"]

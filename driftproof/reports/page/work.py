@@ -13,7 +13,7 @@ from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves, lasting
 from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.markup import html_table
+from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
 from driftproof.reports.page.stability import line_style
 from driftproof.support.plain_text import counted, short
@@ -83,7 +83,7 @@ def work_figure(
         description=f"Distance from the exact state at t = {t} against {cost}, both axes logarithmic. "
         f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}{beyond}",
         plot=plot,
-        legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found)],
+        legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found) if places[curve.key]],
         note=f"{f'Ringed: {ringed}. ' if ringed else ''}From point to point along a line, the step size is halved."
         f"{beyond}",
         data=_data(found, cost),
@@ -105,12 +105,12 @@ def _sentence(curve: Curve) -> str:
 
 
 def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> str:
-    """A row per method: the order stated and measured, and the fewest evaluations seen to reach each goal."""
+    """A row per method: the order stated and measured, the fewest evaluations for each goal, or why it has none."""
     header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
     rows = []
     for curve in found:
         if curve.refused:
-            rows.append([curve.title, curve.refused, *[""] * (len(header) - 2)])
+            rows.append([curve.title, "does not apply", *[""] * (len(header) - 2)])
             continue
         measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
         measured = f"not settled ({x.least:.3f} to {x.largest:.3f})" if x and x.largest - x.least >= 1 else measured
@@ -118,7 +118,9 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         enough = [[p.evaluations for p in lasting(curve.points, 10.0**g) if p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
         rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
-    return html_table([header, *rows], "Orders, and the least work measured", "orders")
+    table = html_table([header, *rows], "Orders, and the least work measured", "orders")
+    refused = [element("p", escaped(f"{c.title}: {c.refused}"), class_="note") for c in found if c.refused]
+    return element("div", table, *refused) if refused else table
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:

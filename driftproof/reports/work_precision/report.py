@@ -18,13 +18,13 @@ from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve,
 from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
+from driftproof.reports.user_problem import KINKED, kinks_of
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
-KINKED = "f has kinks or jumps"
 # Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
 _EXPLAINED = {"order reduction": ("below",), KINKED: ("below", "not settled")}
 # Characters of a step size that is shown as a fraction.
@@ -196,7 +196,7 @@ def _head(study: Study) -> str:
         f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
         f"Half a unit of its last digits: {digits:.1e}\n"
         f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
-        + ("" if problem.field.smooth else f"\n{KINKED}: methods keep their orders only if steps end there")
+        + ("" if problem.field.smooth else f"\n{kinks_of(problem)}")
     )
 
 

@@ -51,6 +51,14 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     assert orders[2].startswith(("1.9", "2.0"))
 
 
+def test_kinks_are_told_of_and_signs_are_written_as_such():
+    block = {"rates": "x' = v, v' = -x - sign(v)/4", "start": [1, 0], "end": 4}
+    shown = report(block, methods=["rk4"]).html
+    assert "v′ = -x - sign(v) / 4" in shown
+    assert '<p class="note">f has kinks or jumps at t = 3.14159: a method keeps its order only if' in shown
+    assert "kinks" not in report("harmonic_oscillator", methods=["rk4"]).html
+
+
 def test_a_scene_on_a_problem_shows_its_readouts_and_its_table_at_its_step(tmp_path):
     """Of y' = -y a step of Euler's method leaves 3/4; two leave 9/16. A run that overflows has its reason."""
     euler = Scene("own", "forward_euler", Fraction(1, 4), Fraction(1, 2), readouts=("final_state", "evaluations"))
@@ -74,7 +82,8 @@ def test_a_method_that_does_not_apply_has_the_reason_and_no_points():
     shown = report(PROBLEMS["dahlquist_1"], methods=["velocity_verlet", "ros2", "rk4"]).html
     why = "a second-order system has as many velocities as positions, not 1 rates"
     rows = [row for row in cells(shown) if row[0] == "Velocity Verlet"]
-    assert [row[1] for row in exactly(2, rows)] == [why, f"does not apply: {why}"]
+    assert [row[1] for row in exactly(2, rows)] == ["does not apply", f"does not apply: {why}"]
+    assert f'<p class="note">Velocity Verlet: {why}</p>' in shown
     assert len([row for row in cells(shown) if row[1].startswith("does not apply: ros2 is a Rosenbrock")]) == 1
     assert ": none. Classical RK4: from " in shown
 

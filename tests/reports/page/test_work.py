@@ -64,7 +64,9 @@ def test_errors_far_beyond_the_solution_are_counted_and_do_not_stretch_the_axis(
 def test_methods_without_any_error_are_told_of():
     found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
     shown, figure = work_table(found), work_figure(found, "id", Q(1))
-    assert '<td colspan="4">has no steps</td>' in shown
+    assert '<td colspan="4">does not apply</td>' in shown
+    assert '<p class="note">A: has no steps</p>' in shown
+    assert figure.legend == []
     assert "<td>–</td><td>–</td><td>not with 8 steps</td><td>not with 8 steps</td>" in shown
     assert figure.description.endswith("A: none. B: none.")
     assert figure.data[1:] == [["B", "8", "8", "lost"]]

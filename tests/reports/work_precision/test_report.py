@@ -5,7 +5,8 @@ import io
 import json
 import re
 from dataclasses import replace
-from math import inf
+from fractions import Fraction
+from math import atan, inf
 from types import SimpleNamespace
 
 from driftproof.methods.catalogue import METHODS
@@ -202,5 +203,11 @@ def test_kinks_and_jumps_explain_orders_below_the_claim():
     problem = user_problem.problem_given(stopped)
     assert report._reduces(problem) == "f has kinks or jumps"
     assert report._reduces(problem_named("harmonic_oscillator")) == ""
+    later = replace(problem.reference, changes=tuple(Fraction(k, 2) for k in range(7)))
+    for reference, said in (
+        (problem.reference, f" at t = {atan(0.25 / 1.2):.6g}:"),
+        (later, " at t = 0, 0.5, 1, 1.5, 2 and 2 later times:"),
+    ):
+        assert user_problem.kinks_of(replace(problem, reference=reference)).startswith(f"f has kinks or jumps{said}")
     found = curve_of(METHODS["rk4"], problem, (20, 40, 80, 160, 320))
     assert found.order.median < 2
