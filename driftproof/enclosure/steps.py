@@ -179,9 +179,6 @@ class Expansion:
                 raise Crossing(reason, change)
             else:
                 h, change = change / 4, None
-        if any(d != 1 for d in self.weights):  # beside a kink, a tube that is wide in one component may be too wide
-            self.weights = [arb(1)] * len(self.rows)
-            return self.step(longest, errors, nearest)
         raise Refused(f"no step from t = {float(self.t):.9g}, however short, could be proved: {reason}", self.t)
 
     def _size(self, values: Iterable[arb]) -> arb:

@@ -107,12 +107,19 @@ def test_solution_that_crosses_is_enclosed(name):
             assert ball.rad() < 1e-30
 
 
+def test_numbers_of_a_run_have_names_of_their_own():
+    """Also where another number takes the place of one that is gone."""
+    side = crossings._SomeSides([])
+    names = {side.name(arb(k, 1)) for k in range(50)} | {side.name(arb(k)) for k in (1, 2, 2)}
+    assert len(names) == 52
+
+
 @pytest.mark.parametrize(
     ("f", "start", "times"),
     [
         (lambda t, y: [1.0 if t < 1 else 2.0, -1.0 if y[0] > 2 else 1.0], [0, 0], [1, 1.5]),
         (lambda t, y: [y[1], abs(y[1]) + 1], [0, 0], []),
-        (lambda t, y: [-1000 * (y[0] - (t % 0.5)), 0], [0, 0], [0.5, 1, 1.5]),
+        (lambda t, y: [-100000 * (y[0] - (t % 0.5)), 0], [0, 0], [0.5, 1, 1.5]),
     ],
     ids=["known and crossed", "at the start only", "stiff"],
 )

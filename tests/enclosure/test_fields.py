@@ -148,16 +148,20 @@ def scaled(t, y, factor):
     return [math.cos(x) * factor for x in y]
 
 
-def sharing(t, y):
+def made_to_share():
     """What functions write, others read."""
     factor = 1.0
 
-    def update():
+    def update(x):
         nonlocal factor
-        factor = 5.0 if y[0] > 0 else 1.0
+        factor = 5.0 if x > 0 else 1.0
 
-    update()
-    return factor * y * sharing.scale
+    def sharing(t, y):
+        update(y[0])
+        return factor * y * sharing.scale
+
+    sharing.scale = 0.5
+    return sharing
 
 
 def importing(t, y):
@@ -180,7 +184,7 @@ def noted():
     return NOTED
 
 
-sharing.scale, NOTED = 0.5, 0.0
+NOTED = 0.0
 
 
 def of_constants(t, y):
@@ -217,7 +221,7 @@ FIELDS = [
         by_axes,
         lists,
         clipped,
-        sharing,
+        made_to_share(),
         noting,
         importing,
         of_constants,

@@ -112,6 +112,10 @@ def test_number_does_not_become_a_float(turned):
         turned(ball(arb(1)))
 
 
+def test_zero_has_the_sign_plus():
+    assert [np.copysign(ball(arb(x)), 0).value for x in (-2, 2)] == [2, 2]
+
+
 def test_truth_values_of_comparisons_are_those_of_components():
     small, large, three = ball(arb(1)), ball(arb(2)), np.array([1.0, 2.0])
     for x, y in ((small, large), three):
@@ -134,7 +138,7 @@ OF_TWO = {
 
 
 @pytest.mark.parametrize("name", OF_TWO)
-@pytest.mark.parametrize(("x", "y"), [(5.5, 2), (-5.5, 2), (5.5, -2), (-5.5, -2.25)])
+@pytest.mark.parametrize(("x", "y"), [(5.5, 2), (-5.5, 2), (5.5, -2), (-5.5, -2.25), (0, 2)])
 def test_remainders_and_signs_are_those_of_floats(name, x, y):
     for one, other in ((ball(arb(x), 1), y), (x, ball(arb(y))), (ball(arb(x)), ball(arb(y)))):
         found = getattr(np, name)(one, other)

@@ -29,6 +29,9 @@ def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
     assert found(0.0, [3.0]) == [1.5]
     told = {"single": np.float32(0.1), "half": np.float16(0.1), "large": 2**53 + 1, "third": Q(1, 3)}
     assert given_problem(lambda t, y, **its: its, told).f(0.0, []) == told | {"third": 1 / 3}
+    assert dict(given_problem({"rates": ["k"], "parameters": {"k": np.float32(0.1)}}).f.parameters) == {
+        "k": Q(str(float(np.float32(0.1))))
+    }
     of_table = given_problem({"function": lambda t, y, **its: its, "parameters": told}).f(0.0, [])
     assert of_table == told | {"third": 1 / 3}
     for given, words in (
