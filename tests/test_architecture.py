@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 4018,
     "blackbox": 21193,
-    "enclosure": 4708,
+    "enclosure": 4773,
     "texts": 9866,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5923

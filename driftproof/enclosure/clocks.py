@@ -11,14 +11,13 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import ceil, floor, perm
-from numbers import Rational
 from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value
-from driftproof.enclosure.numbers import Enclosed, enclosed
+from driftproof.enclosure.numbers import Enclosed, enclosed, exact_value
 from driftproof.methods.number_field import dyadic
 
 # Offset and rate.
@@ -51,11 +50,11 @@ class Clock(Enclosed):
 
     def __init__(self, evaluation: Evaluation, value: Value, line: _Line | None = None) -> None:
         """Take value, offset and rate; by default those of the time itself, which is a constant where it is exact."""
-        super().__init__(evaluation, value)
         if line is None:
             known = evaluation.span is None and isinstance(value, arb) and value.is_exact()
             line = (dyadic(value), Fraction(0)) if known else (Fraction(0), Fraction(1))
         self.offset, self.rate = line
+        super().__init__(evaluation, value, exact=None if self.rate else self.offset)
 
     def sign(self) -> int:
         """-1, 0 or 1, on the whole span but for its ends. Raises TimeCut if it changes there."""
@@ -82,10 +81,10 @@ class Clock(Enclosed):
         return super().__round__(digits) if self.rate or digits is not None else round(self.offset)
 
     def __floordiv__(self, other: object) -> Any:
-        return super().__floordiv__(other) if (of := _constant(other)) is None else floor(self / of)
+        return super().__floordiv__(other) if (of := exact_value(other)) is None else floor(self / of)
 
     def __mod__(self, other: object) -> Any:
-        return super().__mod__(other) if (of := _constant(other)) is None else self - floor(self / of) * of
+        return super().__mod__(other) if (of := exact_value(other)) is None else self - floor(self / of) * of
 
     def __add__(self, other: object) -> Any:
         return self._line_of(operator.add, super().__add__(other), _line(other))
@@ -114,7 +113,7 @@ class Clock(Enclosed):
     def __rtruediv__(self, other: object) -> Any:
         if isinstance(other, np.ndarray):
             return NotImplemented
-        made, numerator = Enclosed.__truediv__(enclosed(self.evaluation, other), self), _constant(other)
+        made, numerator = Enclosed.__truediv__(enclosed(self.evaluation, other), self), exact_value(other)
         if self.rate or numerator is None:
             return made
         return Clock(self.evaluation, made.value, (numerator / self.offset, Fraction(0)))
@@ -127,6 +126,11 @@ class Clock(Enclosed):
         return Clock(self.evaluation, made.value, line)
 
     __gt__, __ge__, __lt__, __le__, __eq__ = map(_by_sign, ("gt", "ge", "lt", "le", "eq"))
+
+
+def exactexact_value(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
+    """An exact constant in a ball; comparisons of the time with a rational one are decided exactly."""
+    return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)
 
 
 def exact_constant(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
@@ -144,22 +148,12 @@ def _line(x: object) -> _Line | None:
     """Offset and rate of a clock or of a constant; None for any other number."""
     if isinstance(x, Clock):
         return x.offset, x.rate
-    return None if (constant := _constant(x)) is None else (constant, Fraction(0))
+    return None if (constant := exact_value(x)) is None else (constant, Fraction(0))
 
 
 def _factors(x: object) -> _Line | None:
     """What multiplies offset and rate, if x is a constant."""
-    return None if (constant := _constant(x)) is None else (constant, constant)
-
-
-def _constant(x: object) -> Fraction | None:
-    if isinstance(x, Clock) and not x.rate:
-        return x.offset
-    if isinstance(x, np.generic):
-        x = x.item()
-    if isinstance(x, Rational) or (isinstance(x, float) and np.isfinite(x)):
-        return Fraction(x)
-    return None
+    return None if (constant := exact_value(x)) is None else (constant, constant)
 
 
 def _is_ahead(crossing: Fraction, span: tuple[Fraction, Fraction | None]) -> bool:

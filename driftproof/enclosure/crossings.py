@@ -137,7 +137,7 @@ class _SomeSides(Branching):
 
     def __init__(self, sides: Sequence[bool]) -> None:
         super().__init__(sides, forward=True)
-        self.kept = list[Value]()
+        self.kept, self.positive = list[Value](), set[int]()
 
     def name(self, x: Value) -> Hashable:
         """An exact number, or which of the numbers of this run it is."""
@@ -146,9 +146,19 @@ class _SomeSides(Branching):
         self.kept.append(x)  # or another number might be put in its place
         return id(x), "of this run"
 
+    def not_negative(self, x: Value) -> None:
+        """Note that x >= 0 on this side."""
+        self.kept.append(x)
+        self.positive.add(id(x))
+
     def function(self, name: str, x: Value) -> Value:
-        """The square root also of a number that may be 0: real where f is, which is all that is asked on a side."""
+        """The square root also of a number that may be 0, if it is not negative on this side. Raises Refused if it is.
+
+        Where f has no value, or is not a number, it may be any other function.
+        """
         if name == "sqrt" and isinstance(x, TaylorModel) and not x.range() > 0:
+            if id(x) not in self.positive and not self.undecided(x, arb(0), at_zero=True):
+                raise Refused("f takes the root of a number that may be negative")
             return x.range().nonnegative_part().sqrt()
         return super().function(name, x)
 

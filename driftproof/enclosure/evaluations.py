@@ -120,6 +120,9 @@ class Evaluation:
         """Raise Refused: neither outcome is certain."""
         raise Overlapping("f compares numbers whose enclosures overlap")
 
+    def not_negative(self, x: Value) -> None:
+        """Note that x >= 0, by the outcome of a comparison."""
+
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""
         return analytic(name, x)

@@ -30,7 +30,7 @@ _MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radian
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 _REPLACED = ("array", "asarray", "zeros", "sign", "interp", *_FILLED_WITH_FLOATS, *SELECTING)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
-# The answers for enclosed numbers: balls that are not finite are refused elsewhere.
+# The answers for enclosed numbers that are finite.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
@@ -176,7 +176,7 @@ def _sign(x: Any) -> Any:
 def _among(given: Any, chosen: Any) -> Any:
     """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
     held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
-    return chosen if held is None else enclosed(held.evaluation, chosen)
+    return chosen if held is None or isinstance(chosen, tuple | list) else enclosed(held.evaluation, chosen)
 
 
 def _chosen(choose: Callable[..., Any]) -> Callable[..., Any]:
@@ -195,6 +195,13 @@ def _imported(*arguments: Any, **options: Any) -> Any:
 
 
 _BUILTINS = vars(builtins) | {"max": _chosen(max), "min": _chosen(min), "__import__": _imported}
+
+
+def _as_finite(name: str, x: Any) -> bool:
+    """The answer of isfinite and its like. Raises Refused for a ball that is not finite."""
+    if isinstance(x, Enclosed) and not getattr(x.value, "is_finite", bool)():
+        raise Refused(f"f takes {name} of a number that may have no value")
+    return _OF_FINITE[name]
 
 
 class _Math(ModuleType):
@@ -219,7 +226,7 @@ class _Math(ModuleType):
                 return arguments[0] ** arguments[1]
             arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
             if name in _OF_FINITE:
-                return _OF_FINITE[name]
+                return _as_finite(name, arguments[0])
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:
@@ -235,7 +242,7 @@ class _Numpy(ModuleType):
     def __getattr__(self, name: str) -> Any:
         value = getattr(np, name)
         if name in _OF_FINITE:
-            return lambda x: np.full(np.shape(x), _OF_FINITE[name])[()] if _holds_enclosed(x) else value(x)
+            return lambda x: np.vectorize(partial(_as_finite, name))(x)[()] if _holds_enclosed(x) else value(x)
         if name in SELECTING:
             return lambda *among: _among(among, value(*among))
         if name not in _FILLED_WITH_FLOATS:

@@ -7,10 +7,12 @@ a ball cannot decide, a conversion to a float, a function where it is not analyt
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial, wraps
 from math import ceil, floor, trunc
+from numbers import Rational
 from typing import Any, cast
 
 import numpy as np
@@ -36,15 +38,54 @@ def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[En
     return lifting
 
 
-class Enclosed:
-    """A number of an `Evaluation`: a value and, if they are carried along, its partial derivatives."""
+def exact_value(x: object) -> Fraction | None:
+    """The rational number that x is: a finite number of Python or NumPy, or an enclosed one that is a constant."""
+    if isinstance(x, Enclosed):
+        return x.exact
+    if isinstance(x, np.generic):
+        x = x.item()
+    if isinstance(x, Rational) or (isinstance(x, float) and np.isfinite(x)):
+        return Fraction(x)
+    return None
 
-    __slots__ = ("evaluation", "partials", "value")
+
+def _compares(name: str, exchanged: bool, at_zero: bool) -> Callable[[Enclosed, object], Any]:
+    """The comparison of numbers whose difference, or its negative if `exchanged`, has to be positive, or not negative.
+
+    The answer is NumPy's, as of components: of two such, + is "or", and ~ is "not". Constants are compared exactly.
+    """
+    compare = getattr(operator, name)
+
+    def compared(x: Enclosed, other: object) -> Any:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if x.exact is not None and (known := exact_value(other)) is not None:
+            return np.bool_(compare(x.exact, known))
+        value = other.value if isinstance(other, Enclosed) else x.evaluation.constant(other)
+        sides = (value, x.value) if exchanged else (x.value, value)
+        return np.bool_(x.evaluation.decide(*sides, at_zero=at_zero))
+
+    return compared
+
+
+class Enclosed:
+    """A number of an `Evaluation`: a value and, if they are carried along, its partial derivatives.
+
+    `exact` is the rational number that a constant is, as far as that is known.
+    """
+
+    __slots__ = ("evaluation", "exact", "partials", "value")
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, evaluation: Evaluation, value: Value, partials: tuple[Value, ...] | None = None) -> None:
-        """Take value and derivatives as they are."""
-        self.evaluation, self.value, self.partials = evaluation, value, partials
+    def __init__(
+        self,
+        evaluation: Evaluation,
+        value: Value,
+        partials: tuple[Value, ...] | None = None,
+        exact: Fraction | None = None,
+    ) -> None:
+        """Take all as they are."""
+        self.evaluation, self.value, self.partials, self.exact = evaluation, value, partials, exact
 
     def _with_chain_rule(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
         """The value with derivatives by the chain rule; each rule gives the derivative with respect to its argument."""
@@ -120,33 +161,12 @@ class Enclosed:
         before = _power(self.value, n - 1)
         return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
-    @_lifts_other
-    def __gt__(self, o: Enclosed) -> Any:
-        """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap.
+    __gt__, __lt__ = _compares("gt", False, False), _compares("lt", True, False)
+    __ge__, __le__ = _compares("ge", False, True), _compares("le", True, True)
 
-        The answer is NumPy's, as of components: of two such, + is "or", and ~ is "not".
-        """
-        return np.bool_(self.evaluation.decide(self.value, o.value))
-
-    @_lifts_other
-    def __lt__(self, o: Enclosed) -> Any:
-        """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
-        return np.bool_(self.evaluation.decide(o.value, self.value))
-
-    @_lifts_other
-    def __ge__(self, o: Enclosed) -> Any:
-        """True if self is greater, or both are the same exact number; else as >."""
-        return np.bool_(self.evaluation.decide(self.value, o.value, at_zero=True))
-
-    @_lifts_other
-    def __le__(self, o: Enclosed) -> Any:
-        """True if self is less, or both are the same exact number; else as <."""
-        return np.bool_(self.evaluation.decide(o.value, self.value, at_zero=True))
-
-    @_lifts_other
-    def __eq__(self, o: Enclosed) -> Any:
+    def __eq__(self, other: object) -> Any:
         """False if the two certainly differ, True if they are the same exact number. Raises Refused otherwise."""
-        return self >= o and self <= o
+        return NotImplemented if isinstance(other, np.ndarray) else (self >= other and self <= other)
 
     def __bool__(self) -> bool:
         """True if the number is certainly not 0. Raises Refused otherwise."""
@@ -156,7 +176,11 @@ class Enclosed:
         """x or -x, by the sign of x on the whole box; as text |x|. Raises Refused if the sign is not known."""
         if (written := getattr(self.value, "modulus", None)) is not None:
             return Enclosed(self.evaluation, written())
-        return self if self > 0 else -self
+        if self > 0:
+            return self
+        negative = -self
+        self.evaluation.not_negative(negative.value)
+        return negative
 
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
@@ -169,7 +193,7 @@ class Enclosed:
         """The largest integer that is not larger, as text of a text. Raises Refused if two are in the ball."""
         if (written := getattr(self.value, "whole", None)) is not None:
             return Enclosed(self.evaluation, written())
-        return self.evaluation.floor(self.value)
+        return self.evaluation.floor(self.value) if self.exact is None else floor(self.exact)
 
     def __ceil__(self) -> Any:
         return -floor(-self)
@@ -213,6 +237,9 @@ class Enclosed:
 
     def __divmod__(self, other: object) -> Any:
         return self // other, self % other
+
+    def __rdivmod__(self, other: object) -> Any:
+        return other // self, other % self
 
     def fmod(self, other: Any) -> Any:
         """The remainder by the rule of C: it has the sign of the number itself."""
@@ -396,4 +423,4 @@ def enclosed(evaluation: Evaluation, x: Any) -> Any:
     x = _unboxed(x)
     if isinstance(x, np.ndarray):
         return np.vectorize(partial(enclosed, evaluation), otypes=[object])(x)
-    return x if isinstance(x, Enclosed) else Enclosed(evaluation, evaluation.constant(x))
+    return x if isinstance(x, Enclosed) else Enclosed(evaluation, evaluation.constant(x), exact=exact_value(x))

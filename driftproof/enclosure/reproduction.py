@@ -97,7 +97,7 @@ def require_reproduced(
     """
     checked = sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
-    backwards = [_rates_in_floats(f, np.float64(times[i]), states[i]) for i in reversed(checked)]
+    backwards = [_of_another_time(f, times[i], states[i]) for i in reversed(checked)]
     for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
         t, balls = times[i], [arb(x) for x in states[i]]
         if len(given) != len(balls):
@@ -120,6 +120,14 @@ def require_reproduced(
         if off and not _jumps_beside(in_balls, t, balls, given, allowed):
             said = f"f in floats is {given[off[0]]!r} at t = {t}, component {off[0]}"
             raise NotReproduced(f"{said}, but its enclosure is {decimal(rates[off[0]])}")
+
+
+def _of_another_time(f: RightHandSide, t: float, y: Sequence[float]) -> list[float]:
+    """f with the time as a NumPy number, or as a float if it takes no other, as -(t > 1)."""
+    try:
+        return _rates_in_floats(f, np.float64(t), y)
+    except Refused:
+        return _rates_in_floats(f, t, y)
 
 
 def _jumps_beside(f: RightHandSide, t: float, y: list[arb], given: list[float], allowed: arb) -> bool:

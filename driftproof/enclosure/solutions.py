@@ -163,16 +163,27 @@ class _Path:
         try:
             self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))
         except Crossing as ahead:
-            if self._cross(ahead.s, error):
-                return
-            raise not_smooth(self.t + ahead.s, ahead) from None
+            if not self._comes_nearer(expansion, error) and not self._cross(ahead.s, error):
+                raise not_smooth(self.t + ahead.s, ahead) from None
+            return
         self.weights = self.step.next_weights
         if expansion.jumped and self.step.t + self.step.h < self.last:
             self.changes.append(self.step.t + self.step.h)
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
         # They grow behind a window in which the argument of a root was 0.
         grows = isinstance(before, Window) or (before is not None and self.step.h > before.h)
-        self._refuse_what_does_not_end(self.step, expansion.cut or grows)
+        self._refuse_what_does_not_end(self.step, expansion.cut, grows)
+
+    def _comes_nearer(self, expansion: Expansion, error: Sequence[arb]) -> bool:
+        """Step towards a crossing with weights as the errors are: those of other components do not keep it away."""
+        largest = size(error)
+        expansion.weights = [arb(2) ** max(_binary(size([x])), _binary(largest) - ctx.prec) for x in error]
+        try:
+            self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))
+        except Refused:
+            return False
+        self.longest = LONGEST_STEP
+        return True
 
     def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
         """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
@@ -189,10 +200,10 @@ class _Path:
             unit *= 4
         return False
 
-    def _refuse_what_does_not_end(self, step: EnclosedStep, intended: bool) -> None:
+    def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool, grows: bool) -> None:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
-        if step.h < SHORTEST_PART * gone and not intended:
+        if step.h < SHORTEST_PART * gone and not (cut or grows):
             obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
             may_cross = isinstance(obstacle, Overlapping)  # at a root that becomes 0, to which no step leads
             near = 64 * step.h < WIDEST_WINDOW * (self.last - self.first)
@@ -206,7 +217,7 @@ class _Path:
             raise Stiff(f"stiff: too many steps are needed from t = {float(self.t):.4g} to the end")
         part, as_all, as_last = Fraction(self.steps, self.most), left * self.steps / gone, left / step.h
         far_too_long = lasting and part >= PART_OF_FAR_TOO_LONG and min(as_all, as_last) > 10 * self.most
-        if far_too_long or (part >= PART_OF_LONG and as_all > self.most):
+        if (far_too_long and not grows) or (part >= PART_OF_LONG and as_all > self.most):
             raise Refused(f"too long: {self.steps} steps reach t = {float(self.t):.6g}; at most {self.most} are taken")
 
     def _carry(self, step: EnclosedStep) -> None:
@@ -221,6 +232,11 @@ class _Path:
         inverse = basis.inv()
         self.box = (inverse * image) * self.box + inverse * made
         self.basis, self.t = basis, step.t + step.h
+
+
+def _binary(x: arb) -> int:
+    """The exponent k of 2^k, about the number; of 0 a very small one."""
+    return int(x.man_exp()[1]) + int(x.man_exp()[0]).bit_length() if x else -(2**20)
 
 
 def _shrinks(flow: arb_mat) -> bool:

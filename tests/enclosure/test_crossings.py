@@ -81,6 +81,12 @@ CROSSING = {
         field_function(field_of_text("heaviside(1/2 - mod(t, sqrt(2)))")), [0], 1.75,
         lambda t: [arb(2.25) - arb(2).sqrt()],
     ),
+    "roots from the border on": (
+        lambda t, y: [1.0, 1 + np.sqrt(max(y[0], 0))], [0, 0], 1, lambda t: [t, t + 2 * t.sqrt() ** 3 / 3],
+    ),
+    "a root of the size": (
+        lambda t, y: [1.0, abs(y[0]) ** 1.5], [-1, 0], 2, lambda t: [arb(1), arb(4) / 5],
+    ),
     "a root that becomes real": (
         lambda t, y: [1.0, np.sqrt(max(y[0], 0))], [-1, 0], 2, lambda t: [arb(1), arb(2) / 3],
     ),
@@ -105,6 +111,26 @@ def test_solution_that_crosses_is_enclosed(name):
         for ball, true in exactly(len(start), zip(found.states[-1], exact(arb(end)), strict=True)):
             assert ball.contains(true.mid() if true.rad() < ball.rad() / 100 else true)
             assert ball.rad() < 1e-30
+
+
+def slivers(t, y):
+    """1e40 nearer to y1 = 1 than 1e-32, so that y0 has grown by some 2e8 behind it."""
+    try:
+        root = math.sqrt((y[1] - 1) ** 2 - 1e-64)
+    except ValueError:
+        root = 1e40
+    return [root + (1 if y[1] > 1 else 0), 1.0]
+
+
+def by_truth(t, y):
+    root = np.sqrt((y[1] - 1) ** 2 - 1e-64)
+    return [1e40 if np.isnan(root) else root + (1 if y[1] > 1 else 0), 1.0]
+
+
+@pytest.mark.parametrize("f", [slivers, by_truth])
+def test_root_that_has_no_value_in_a_window_is_refused(f):
+    with pytest.raises(Refused, match=r"touch or follow|isnan of a number that may have no value"):
+        enclose_solution(f, [Fraction(0)] * 2, [Fraction(0), Fraction(2)])
 
 
 def test_numbers_of_a_run_have_names_of_their_own():

@@ -187,6 +187,13 @@ def noted():
 NOTED = 0.0
 
 
+def choosing(t, y):
+    """Constants that are chosen are compared and rounded as such."""
+    index, largest = max(enumerate(y), key=lambda pair: pair[1])
+    known = [np.sign(y[0]) == 1, np.maximum(-y[0], 0) == 0, np.heaviside(y[0], 0.5) >= 1, np.clip(y[0], 0, 0.5) == 0.5]
+    return [largest * index, y[[1, 0][int(np.clip(3 * y[0] + 2, 0, 1))]] * sum(known) + divmod(2.0, y[0])[1]]
+
+
 def of_constants(t, y):
     return [
         math.fsum([0.1] * 10) * y[0] + math.pow(7, 25),
@@ -224,6 +231,7 @@ FIELDS = [
         made_to_share(),
         noting,
         importing,
+        choosing,
         of_constants,
         into_integers,
     ),

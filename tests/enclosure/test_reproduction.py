@@ -85,6 +85,8 @@ def test_places_between_the_points_of_a_run_are_compared():
 
 def test_what_depends_on_the_type_of_the_time_is_refused():
     """Of NumPy's truth values + is "or"."""
+    negated = lambda t, y: [-(t > 1) * y[0]]  # NumPy's truth values have no negative
+    require_reproduced(negated, enclosable(negated), [0.0, 2.0], [[0.0], [1.0]])
     counted = lambda t, y: [1.0 * ((t > 0.5) + (t > 1))]
     with pytest.raises(
         NotReproduced, match=r"f is 2\.0 at .* but 1\.0 in a second call, with the time as a NumPy number"
