@@ -16,7 +16,7 @@ from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import lowered
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
-from driftproof.texts.claims.tables import Address, tables_of
+from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -90,6 +90,10 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
     found = _at_address(document, claim, claim.phrase.exact(spellings, claim.ignore_case))
+    elsewhere = [x for one in found if (x := _of_other_column(document, claim, one))]
+    found = [one for one in found if not _of_other_column(document, claim, one)]
+    if elsewhere and len(found) < claim.count:
+        return CheckedClaim(claim, found, tuple(elsewhere[:_MOST_FINDINGS]))
     more = len(found) > claim.count
     wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
     return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
@@ -100,11 +104,21 @@ def _at_address(
 ) -> list[re.Match[str]]:
     """The matches, of the first `most`, whose first number stands in the row and the column that the claim names."""
     found, tables = [*islice(pattern.finditer(document.text.text), most)], tables_of(document.text.text)
-    if not any(claim.address):
+    if not any(claim.address[:2]):
         return found
     first = [next((x.start for x in numbers_in(one[0]) if x.label is None), 0) for one in found]
     starts = [one.start() + at if one[0] else one.start(1) for one, at in zip(found, first, strict=True)]  # a lookahead
     return [one for one, start in zip(found, starts, strict=True) if tables.stands_at(claim.address, start)]
+
+
+def _of_other_column(document: Document, claim: Claim, match: re.Match[str]) -> Finding | None:
+    """What is wrong if a value stands under another head than the claim says."""
+    tables = tables_of(document.text.text)
+    for name, head in zip(claim.phrase.names, claim.address.columns, strict=False):
+        if (found := tables.head_at(match.start(name))).lower() != head.lower():
+            said = f"{match[name]} stands under {found!r}, not under {head!r}"
+            return Finding(claim.id, *document.position(match.start(name)), head, found, said)
+    return None
 
 
 def places_of(document: Document, claim: Claim, number: str) -> list[int]:
@@ -148,7 +162,7 @@ def _missing(
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
-    there = "".join(f", {x} {said!r}" for x, said in zip(Address._fields, claim.address, strict=True) if said)
+    there = "".join(f", {x} {said!r}" for x, said in zip(("row", "column"), claim.address, strict=False) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
     exactly = claim.ignore_case or any(claim.address)
     capitals = None if exactly else claim.phrase.shape(spellings, True)[0].search(document.text.text)

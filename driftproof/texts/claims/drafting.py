@@ -112,7 +112,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
-        methods = _methods(group, " ".join((phrase, *address)), suggestions) if len(stands) == 1 else []
+        said = " ".join((phrase, *address[:2], *address.columns))
+        methods = _methods(group, said, suggestions) if len(stands) == 1 else []
         drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
@@ -205,7 +206,8 @@ def _claim(
         ids[place] += 1
         place += f" ({ids[place]})" if ids[place] > 1 else ""
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
-    lines += [f"{x} = {_quoted(said)}" for x, said in zip(Address._fields, address, strict=True) if said]
+    lines += [f"{x} = {_quoted(said)}" for x, said in zip(("row", "column"), address[:2], strict=True) if said]
+    lines += [f"column = [{', '.join(map(_quoted, address.columns))}]"] * bool(address.columns)
     if valued or chosen:
         lines += _values([member for member in group if member.strong]) if valued else []
         lines += [f"method = {json.dumps(methods if methods[1:] else methods[0])}"] if methods else []

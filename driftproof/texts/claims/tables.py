@@ -32,10 +32,14 @@ class Cell(NamedTuple):
 
 
 class Address(NamedTuple):
-    """The beginning of the row of a number, as in RK4 or RK4 | 0.1, and the head of its column; "" for any."""
+    """The beginning of the row of a number, as in RK4 or RK4 | 0.1, and the head of its column; "" for any.
+
+    Several numbers of one row have several `columns`.
+    """
 
     row: str = ""
     column: str = ""
+    columns: tuple[str, ...] = ()
 
 
 ANYWHERE = Address()
@@ -77,7 +81,7 @@ class TextTables:
         return self._rows[start]
 
     def address(self, number: TextNumber) -> Address:
-        """The place of the number, as the text writes it: as much of its row as no other row of its table begins with.
+        """The row of the number, as the text writes it: as much of it as no other one begins with; and its column.
 
         That is the first cell that is not empty, if others begin with all of the cells before the number, too.
         """
@@ -86,8 +90,13 @@ class TextTables:
             self._beginnings[table] = Counter(one for row in self._table(table) for one in _beginnings(row))
         own = _beginnings([cell for cell in row if cell.end <= number.start])
         label = next((one for one in own if self._beginnings[table][one] == 1), next(iter(own), ""))
-        head = next((cell.head_written for cell in row if cell.start <= number.start < cell.end), "")
-        return Address(label, "" if re.match("[-+.]?[0-9]", head) else head)
+        return Address(label, self.head_at(number.start))
+
+    def head_at(self, start: int) -> str:
+        """The head of the column of what begins there, as the text writes it; "" for a number and outside tables."""
+        row = self._row(self._text.rfind("\n", 0, start) + 1)
+        head = next((cell.head_written for cell in row if cell.start <= start < cell.end), "")
+        return "" if re.match("[-+.]?[0-9]", head) else head
 
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""
