@@ -128,6 +128,11 @@ def sentence_around(text: str, start: int, end: int) -> tuple[str, str]:
     return _ENDS.split(text[max(0, start - _LONGEST) : start])[-1], _ENDS.split(text[end : end + _LONGEST])[0]
 
 
+def sentence_before(text: str, start: int) -> str:
+    """The sentence before the one with the place, "" for none."""
+    return [*_ENDS.split(text[max(0, start - 2 * _LONGEST) : start]), ""][-3:][0]
+
+
 def names_limit(question: str, text: str, start: int, end: int, column: str) -> bool:
     """True if the number's sentence and column name the method and the quantity of the question, and no other."""
     fact, _, method = question.partition(" ")

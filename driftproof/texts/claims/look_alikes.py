@@ -218,6 +218,9 @@ class LookAlikes:
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
+        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):  # which looks like much
+            before, after = sentence_around(self._lower, number.start, number.end)
+            near = f"{before[-_NEIGHBOURHOOD:]} {after[:_NEIGHBOURHOOD]}"
         near += self.tables.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
         spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()

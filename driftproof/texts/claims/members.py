@@ -20,7 +20,7 @@ from driftproof.texts.readers.numbers import TextNumber
 
 # Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
 _SETTING = re.compile(
-    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
+    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnzkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
     r"|[^\W\d_]\w{0,9}'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
