@@ -203,6 +203,12 @@ class LookAlikes:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
 
+    def counts_of_methods(self, number: TextNumber) -> bool:
+        """True if its column has one number for each method, not all the same: found, and not chosen."""
+        column = self._company[self.tables.column_place(number)]
+        rows = [next((cell.text for cell in self.tables.row_of(x) if cell.text), "") for x in column]
+        return len({x.text for x in column}) > 1 and len({*rows}) == len(rows) and bool(methods_named(rows[0]))
+
     @cached_property
     def _numbers(self) -> list[TextNumber]:
         return [number for number in numbers_in(self.text) if number.label is None]
