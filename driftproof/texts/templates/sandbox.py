@@ -95,7 +95,7 @@ class _Lexer(Lexer):
                 reason = f"the noncharacter U+{ord(mark):04X} is not allowed in a text"
                 raise TemplateSyntaxError(reason, source.index(mark) + 1, name, filename)
             source = pattern.sub(mark, source) if self.tex else source
-        without = _TAGS_ALONE.sub(lambda line: line["raw"] or re.sub(r"(?<=\})[ \t]+", "", line["tags"]), source)
+        without = _TAGS_ALONE.sub(lambda line: line["raw"] or re.sub(r"(?<=[%#]\})[ \t]+", "", line["tags"]), source)
         offset = end = 0
         try:
             for _, token, text in super().tokeniter(without, name, filename, state):
