@@ -17,7 +17,7 @@ _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
     "real_limit": ("real", "imaginary"),
     "angle": ("angle|α|alpha", "imaginary|real"),
-    "error_constant": ("error constant", "dispersion|dissipation|limit|r"),
+    "error_constant": ("error constant", "dispersion|dissipation|limit|r|weights?|coefficients?|nodes?"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
     "energy": ("energy", "phase|imaginary|error"),

@@ -15,6 +15,7 @@ from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.look_alikes import LookAlike
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.stated_problems import LIMIT
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import TextNumber
 
@@ -24,12 +25,7 @@ _SETTING = re.compile(
     r"|[^\W\d_]\w{0,9}'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
-# Words before the limit of a step size, as in stable up to h = 1.4; before a step size or a time that is found, and
-# before a number of steps, as in "it has doubled after".
-_LIMIT = re.compile(
-    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
-    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
-)
+# Words before a step size or a time that is found, and before a number of steps, as in "it has doubled after".
 _FOUND = re.compile(
     r"\b(?:reache[sd]|attain(?:s|ed)|cross(?:es|ed|ing)|occurs?|peaks?|peaked|maxim\w+|minim\w+|vanish\w+|hits?|lands?|"
     r"touches|falls (?:below|to)|drops (?:below|to)|exceeds|passes|blow\w*|half-life|turning point|that is|"
@@ -73,7 +69,7 @@ class Member:
         said, what = said.replace("\n", " "), found[0].lower() if found else ""
         digits = len(digits_of(number.text).rstrip("0"))
         of_time = digits >= _FEWEST_FOUND and what[:1] in {"t", "h"} and _FOUND.search(said)
-        if _LIMIT.search(said) or of_time or (what == "after " and _GROWN.search(said)):
+        if LIMIT.search(said) or of_time or (what == "after " and _GROWN.search(said)):
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)

@@ -26,10 +26,18 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 _MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
 _MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
-_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
+_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^√]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
-_SIZES = re.compile(rf"(?:(?<![\w/])(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
+_SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
+    rf"(?:(?<![\w/])(?:h|dt|Δt) ?[=∈≈]|(?:[Ss]tep ?sizes?(?: of)?|[Ss]teps of)(?: ?[=∈≈])?) ?[{{(]?({_LIST})"
+    r"(?! ?[*·√]| ?[^\W\d]_)"
+)
+# Words before the limit of a step size, as in stable up to h = 1.4.
+LIMIT = re.compile(
+    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
+    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
+)
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
@@ -336,7 +344,9 @@ def _shown(x: Fraction) -> str:
 
 
 def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
-    lists = ("".join(group or "" for group in match.groups()) for match in pattern.finditer(text))
+    """The numbers of the matches; no limits of step sizes."""
+    chosen = (x for x in pattern.finditer(text) if not LIMIT.search(text[max(0, x.start() - _GAP) : x.start()]))
+    lists = ("".join(group or "" for group in match.groups()) for match in chosen)
     return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
 
 
