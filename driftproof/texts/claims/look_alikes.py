@@ -224,14 +224,15 @@ class LookAlikes:
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
-        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):  # which looks like much
-            before, after = sentence_around(self._lower, number.start, number.end)
-            near = f"{before[-_NEIGHBOURHOOD:]} {after[:_NEIGHBOURHOOD]}"
         near += self.tables.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
+        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
+            said = " ".join(sentence_around(self._lower, number.start, number.end))
+            single = {name for name in stand if not re.search(rf"(?<![a-z]){name}", said)}
         spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
         return {
-            known.question: sum(x in stand for x in known.names)
+            known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
             + sum(not line.isdisjoint(x) for x in known.numbers)
             + sum(not spoken.isdisjoint(x) for x in known.methods)
             for known in self._known
@@ -431,6 +432,11 @@ class LookAlikes:
 def without_sizes(question: str) -> str:
     """The question without its step size and time."""
     return _SIZE.sub("", question)
+
+
+def _of_lesson(known: KnownValue) -> bool:
+    """True for what a run of the lesson gives, no fact and of no problem of the text."""
+    return known.rank == 0 and (" : " in known.question or "." in known.question.partition(" ")[0])
 
 
 def printed(done: Calculation, number: TextNumber) -> list[str]:

@@ -31,7 +31,9 @@ _FOUND = re.compile(
     r"touches|falls (?:below|to)|drops (?:below|to)|exceeds|passes|blow\w*|half-life|turning point|that is|"
     r"means|hence|therefore)\b[^.;,=]{0,40}\Z"
 )
-_GROWN = re.compile(r"\b(?:(?:doubl|halv|tripl|overflow|diverg|converg|explod)\w*|answer)\b[^.;,=]{0,40}\Z")
+_GROWN = re.compile(
+    r"\b(?:(?:doubl|halv|tripl|overflow|diverg|converg|explod)\w*[^.:;,=]{0,40}|answer\b[^.;,=]{0,40})\Z"
+)
 _FEWEST_FOUND = 3  # significant digits of a step size or a time that nobody chooses
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
 _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")

@@ -35,7 +35,7 @@ _WORDS = {
     "observed_order": OBSERVED,
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
-    "ratio": r"factors?|ratios?|times as|divides",
+    "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
     "error": r"errors?|e_n|off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",

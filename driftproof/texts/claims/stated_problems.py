@@ -345,7 +345,11 @@ def _shown(x: Fraction) -> str:
 
 def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
     """The numbers of the matches; no limits of step sizes."""
-    chosen = (x for x in pattern.finditer(text) if not LIMIT.search(text[max(0, x.start() - _GAP) : x.start()]))
+    chosen = (
+        x
+        for x in pattern.finditer(text)
+        if pattern is not _SIZES or not LIMIT.search(text[max(0, x.start() - _GAP) : x.start()])
+    )
     lists = ("".join(group or "" for group in match.groups()) for match in chosen)
     return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
 
