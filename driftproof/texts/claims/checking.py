@@ -27,6 +27,8 @@ WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", 
 IN_PROGRAM = "an input of a program"
 # Characters of the text that are shown where only the beginning of a phrase was found.
 _SHOWN = 60
+# Digits of a number that stands at few places.
+_TELLING = 4
 # At most this many places with the shape of a phrase are compared, in the order of the text.
 _MOST_COMPARED = 2000
 # At most this many findings are reported for one claim: further ones would repeat them.
@@ -59,7 +61,8 @@ class CheckedClaim:
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
     """Check every claim against the text. Raises ValueError if a claim has no value."""
     found = [check_claim(document, claim, claim.spellings()) for claim in claims]
-    held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
+    places = [place.span() for one in found if len(one.occurrences) <= one.claim.count for place in one.occurrences]
+    held = frozenset(at for span in places for at in range(*span))
     return [
         check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
         for one, untrue in zip(found, _untrue(document, found), strict=True)
@@ -154,7 +157,7 @@ def _missing(
         shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = _at_address(document, claim, shape, _MOST_COMPARED)
-        near = [match for match in found if match.start() not in known]
+        near = [one for one in found if one.start() not in known and _is_under(document, claim, one.start(1))]
         near.sort(key=distance)
         if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
@@ -170,7 +173,7 @@ def _missing(
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
     else:
-        place, shown = _beginning(document, claim.address.row or written)
+        place, shown = _end(document, written) or _beginning(document, claim.address.row or written)
         message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
 
@@ -189,6 +192,23 @@ def _difference(document: Document, claim: Claim, expected: list[str], match: re
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
         right = [*decimal_spellings(right), right][1]
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
+
+
+def _is_under(document: Document, claim: Claim, start: int) -> bool:
+    """True if the first number, which begins there, stands under the first head of the columns, if there are any."""
+    head = claim.address.columns[0] if claim.address.columns and not claim.phrase.free_numbers else None
+    return head is None or tables_of(document.text.text).head_at(start).lower() == head.lower()
+
+
+def _end(document: Document, written: str) -> tuple[Position, str] | None:
+    """The place of the longest run of last words of the phrase with a telling number, and the text there."""
+    flat = document.text.text.replace("\n", " ")
+    for word in [*re.finditer(r"\S+", written)][1:]:
+        last = written[word.start() :].replace("\n", " ")
+        if len(re.sub("[^0-9]", "", last)) >= _TELLING and (at := flat.find(last)) >= 0:
+            begins = flat.find(" ", max(0, at - word.start() - 1), at) + 1
+            return document.position(at), flat[begins : at + len(last)][:_SHOWN]
+    return None
 
 
 def _beginning(document: Document, written: str) -> tuple[Position, str]:
