@@ -242,7 +242,10 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
-        quantity = "percent" if more["percent"] else counted or "ratio"
+        of_other = more["percent"] and (
+            quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+        )
+        quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
     if (
         re.fullmatch(ORDER_OF_COLUMN, head)
         and "." in text[start:end]

@@ -291,7 +291,7 @@ values = { a = { given = "0.40096" }, b = { given = "0.16077" } }
     [
         ("h = 0.1", "h = 0.25", 1, "0.25"),  # and not the 1 of h = 1
         ("truth is", "value is", 1, "value is 1.481636"),
-        ("| Euler | 0.4", "| Heun | 0.4", 5, "Heun | 0.40096 | 0.16077"),  # and not the other row of Euler
+        ("| Euler | 0.4", "| Heun | 0.4", 5, "| Heun | 0.40096 | 0.16077"),  # and not the other row of Euler
         ("| Euler | 0.4", "| Euler | 0.3", 5, "0.30096"),
     ],
 )

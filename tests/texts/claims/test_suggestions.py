@@ -692,3 +692,14 @@ def test_a_single_digit_is_no_value_whose_names_stand_in_another_sentence(said):
     suggestions = Suggestions(text := SPRING + said)
     alike = suggestions.look_alikes(numbers_in(text)[-1])
     assert not [one.question for one in alike if one.strong and "y'=" not in one.question and "v'=" not in one.question]
+
+
+@pytest.mark.parametrize(("said", "slips"), [("off by 0.0179 %", 1), ("loses 0.0179 % of the energy", 0)])
+def test_a_part_of_the_energy_is_no_relative_error(said, slips):
+    text = (
+        SPRING.replace("energy counts", "RK4 to t = 10")
+        + f"At t = 10 RK4 with h = 0.1 is {said}, and 0.0197 % relative."
+    )
+    suggestions = Suggestions(text)
+    found = [suggestions.slips(x) for x in numbers_in(text) if x.text == "0.0179"]
+    assert [len(one) for one in found] == [slips]
