@@ -37,7 +37,8 @@ _WORDS = {
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|e_n|off(?= by)|wrong|deviat\w+|differ\w+",
+    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value)s?|e_n|"
+    r"off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",
     "evaluations": r"evaluations|calls",
 }
