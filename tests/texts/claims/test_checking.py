@@ -265,25 +265,12 @@ The errors:
 |---|---|---|
 | Euler | 1 | 0.03283 |
 """
-OF_MOVED = """
-[[claim]]
-id = "h"
-phrase = "h = 0.1"
-given = true
-[[claim]]
-id = "other h"
-phrase = "h = 0.25"
-given = true
-[[claim]]
-id = "truth"
-phrase = "truth is {value}"
-value = { given = "1.481636" }
-[[claim]]
-id = "row"
-phrase = "| Euler | {a} | {b}"
-column = ["y(1)", "y(2)"]
-values = { a = { given = "0.40096" }, b = { given = "0.16077" } }
-"""
+OF_MOVED = """claim = [
+    { id = "h", phrase = "h = 0.1", given = true },
+    { id = "other h", phrase = "h = 0.25", given = true },
+    { id = "truth", phrase = "truth is {value}", value = { given = "1.481636" } },
+    { id = "row", phrase = "| Euler | {a} | {b}", column = ["y(1)", "y(2)"], values = VALUES },
+]""".replace("VALUES", "{ a = { given = '0.40096' }, b = { given = '0.16077' } }")
 
 
 @pytest.mark.parametrize(

@@ -649,8 +649,11 @@ def test_the_time_of_the_next_value_is_not_that_of_this_one(said, value):
 
 
 def test_ratios_of_errors_are_no_slips_of_a_state():
-    suggestions = Suggestions(RATIOS)
-    assert not any(suggestions.slips(x) for x in numbers_in(RATIOS))
+    suggestions, numbers = Suggestions(RATIOS), numbers_in(RATIOS)
+    assert [x.text for x in numbers if suggestions.slips(x)] == []
+    assert [x.text for x in numbers if suggestions.look_alikes(x)[:1] and suggestions.look_alikes(x)[0].strong] == [
+        OF_RK4
+    ]
 
 
 MULTIPLIERS = """| {z} | {a} | {b} |
