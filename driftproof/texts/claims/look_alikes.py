@@ -144,6 +144,7 @@ class LookAlikes:
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
+        of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         kinds = {without_sizes(each.question) for each in meant if each.stated}
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
@@ -154,6 +155,8 @@ class LookAlikes:
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question)
+            # One digit of an unknown of the text's own problem is nothing of the lesson's.
+            denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
