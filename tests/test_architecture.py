@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4018,
     "blackbox": 21193,
     "enclosure": 4773,
-    "texts": 9866,
+    "texts": 10057,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5923
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -16,7 +16,7 @@ from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import lowered
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
-from driftproof.texts.claims.tables import Address, tables_of
+from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -27,6 +27,8 @@ WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", 
 IN_PROGRAM = "an input of a program"
 # Characters of the text that are shown where only the beginning of a phrase was found.
 _SHOWN = 60
+# Digits of a number that stands at few places.
+_TELLING = 4
 # At most this many places with the shape of a phrase are compared, in the order of the text.
 _MOST_COMPARED = 2000
 # At most this many findings are reported for one claim: further ones would repeat them.
@@ -59,7 +61,8 @@ class CheckedClaim:
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
     """Check every claim against the text. Raises ValueError if a claim has no value."""
     found = [check_claim(document, claim, claim.spellings()) for claim in claims]
-    held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
+    places = [place.span() for one in found if len(one.occurrences) <= one.claim.count for place in one.occurrences]
+    held = frozenset(at for span in places for at in range(*span))
     return [
         check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
         for one, untrue in zip(found, _untrue(document, found), strict=True)
@@ -90,6 +93,10 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
     found = _at_address(document, claim, claim.phrase.exact(spellings, claim.ignore_case))
+    elsewhere = [x for one in found if (x := _of_other_column(document, claim, one))]
+    found = [one for one in found if not _of_other_column(document, claim, one)]
+    if elsewhere and len(found) < claim.count:
+        return CheckedClaim(claim, found, tuple(elsewhere[:_MOST_FINDINGS]))
     more = len(found) > claim.count
     wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
     return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
@@ -100,11 +107,21 @@ def _at_address(
 ) -> list[re.Match[str]]:
     """The matches, of the first `most`, whose first number stands in the row and the column that the claim names."""
     found, tables = [*islice(pattern.finditer(document.text.text), most)], tables_of(document.text.text)
-    if not any(claim.address):
+    if not any(claim.address[:2]):
         return found
     first = [next((x.start for x in numbers_in(one[0]) if x.label is None), 0) for one in found]
     starts = [one.start() + at if one[0] else one.start(1) for one, at in zip(found, first, strict=True)]  # a lookahead
     return [one for one, start in zip(found, starts, strict=True) if tables.stands_at(claim.address, start)]
+
+
+def _of_other_column(document: Document, claim: Claim, match: re.Match[str]) -> Finding | None:
+    """What is wrong if a value stands under another head than the claim says."""
+    tables = tables_of(document.text.text)
+    for name, head in zip(claim.phrase.names, claim.address.columns, strict=False):
+        if (found := tables.head_at(match.start(name))).lower() != head.lower():
+            said = f"{match[name]} stands under {found!r}, not under {head!r}"
+            return Finding(claim.id, *document.position(match.start(name)), head, found, said)
+    return None
 
 
 def places_of(document: Document, claim: Claim, number: str) -> list[int]:
@@ -140,7 +157,7 @@ def _missing(
         shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = _at_address(document, claim, shape, _MOST_COMPARED)
-        near = [match for match in found if match.start() not in known]
+        near = [one for one in found if one.start() not in known and _is_under(document, claim, one.start(1))]
         near.sort(key=distance)
         if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
@@ -148,7 +165,7 @@ def _missing(
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
-    there = "".join(f", {x} {said!r}" for x, said in zip(Address._fields, claim.address, strict=True) if said)
+    there = "".join(f", {x} {said!r}" for x, said in zip(("row", "column"), claim.address, strict=False) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
     exactly = claim.ignore_case or any(claim.address)
     capitals = None if exactly else claim.phrase.shape(spellings, True)[0].search(document.text.text)
@@ -156,7 +173,7 @@ def _missing(
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
     else:
-        place, shown = _beginning(document, claim.address.row or written)
+        place, shown = _end(document, written) or _beginning(document, claim.address.row or written)
         message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
 
@@ -175,6 +192,23 @@ def _difference(document: Document, claim: Claim, expected: list[str], match: re
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
         right = [*decimal_spellings(right), right][1]
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
+
+
+def _is_under(document: Document, claim: Claim, start: int) -> bool:
+    """True if the first number, which begins there, stands under the first head of the columns, if there are any."""
+    head = claim.address.columns[0] if claim.address.columns and not claim.phrase.free_numbers else None
+    return head is None or tables_of(document.text.text).head_at(start).lower() == head.lower()
+
+
+def _end(document: Document, written: str) -> tuple[Position, str] | None:
+    """The place of the longest run of last words of the phrase with a telling number, and the text there."""
+    flat = document.text.text.replace("\n", " ")
+    for word in [*re.finditer(r"\S+", written)][1:]:
+        last = written[word.start() :].replace("\n", " ")
+        if len(re.sub("[^0-9]", "", last)) >= _TELLING and (at := flat.find(last)) >= 0:
+            begins = flat.find(" ", max(0, at - word.start() - 1), at) + 1
+            return document.position(at), flat[begins : at + len(last)][:_SHOWN]
+    return None
 
 
 def _beginning(document: Document, written: str) -> tuple[Position, str]:

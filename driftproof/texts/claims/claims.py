@@ -28,7 +28,7 @@ MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
 _LONGEST_NAME = 200
 _FORM = ("places", "digits", "exact", "rounding", "spelled")
-_ELSEWHERE = (*Address._fields, *_FORM)
+_ELSEWHERE = ("row", "column", *_FORM)
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class Claim:
     """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given.
 
     The text names the `methods` where the values stand, or one where the first stands. The first number of the phrase
-    stands at the `address` in a table. A phrase without values may say a `fact`, a question with its answer, such as
-    yes.
+    stands at the `address` in a table, or each value under one of its columns. A phrase without values may say a
+    `fact`, a question with its answer, such as yes.
     """
 
     id: str
@@ -179,9 +179,23 @@ def _claim(entry: TomlTable, number: int) -> Claim:
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
         given = "given" if given is True else given
-        lines = (toml.as_line(entry[x], x, LONGEST_PHRASE) if x in entry else "" for x in Address._fields)
-        address = Address(*map(canonical_text, lines))
-        return Claim(key, phrase, values, count, given, ignore_case, tuple(methods), fact, address)
+        return Claim(key, phrase, values, count, given, ignore_case, tuple(methods), fact, _address(entry, len(values)))
+
+
+def _address(entry: TomlTable, values: int) -> Address:
+    """The row and the column of the phrase, or one column for each of its values."""
+    heads, columns = entry.get("column", ""), list[str]()
+    if isinstance(heads, list):
+        if len(heads) != values:
+            raise ValueError("column is the head of a column of a table, or a list of heads, one for each value")
+        heads, columns = "", ["" if head == "" else _head(head, "column") for head in heads]
+    elif "column" in entry:
+        heads = _head(heads, "column")
+    return Address(_head(entry["row"], "row") if "row" in entry else "", heads, tuple(columns))
+
+
+def _head(found: Any, where: str) -> str:
+    return canonical_text(toml.as_line(found, where, LONGEST_PHRASE))
 
 
 def _fact(entry: TomlTable, phrase: Phrase) -> tuple[str, str] | None:

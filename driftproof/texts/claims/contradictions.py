@@ -17,7 +17,7 @@ _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
     "real_limit": ("real", "imaginary"),
     "angle": ("angle|α|alpha", "imaginary|real"),
-    "error_constant": ("error constant", "dispersion|dissipation|limit|r"),
+    "error_constant": ("error constant", "dispersion|dissipation|limit|r|weights?|coefficients?|nodes?"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
     "energy": ("energy", "phase|imaginary|error"),
@@ -126,6 +126,11 @@ def _names_another_quantity(quantity: str, before: str, after: str) -> bool:
 def sentence_around(text: str, start: int, end: int) -> tuple[str, str]:
     """The sentence before and after the number from `start` to `end`."""
     return _ENDS.split(text[max(0, start - _LONGEST) : start])[-1], _ENDS.split(text[end : end + _LONGEST])[0]
+
+
+def sentence_before(text: str, start: int) -> str:
+    """The sentence before the one with the place, "" for none."""
+    return [*_ENDS.split(text[max(0, start - 2 * _LONGEST) : start]), ""][-3:][0]
 
 
 def names_limit(question: str, text: str, start: int, end: int, column: str) -> bool:

@@ -15,6 +15,7 @@ from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
 from driftproof.texts.claims.contradictions import methods_asked, methods_named
+from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
@@ -35,6 +36,7 @@ _LONGEST_ID = 150
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Chosen: questions read from the text that are shown; they differ in methods and step sizes.
 _MOST_READ = 12
+_FEWEST_PRINTED = 3
 # What a draft calls perhaps wrong.
 _DOUBT = re.compile(rf"(?m)^# line ([0-9]+): (.+?) {SLIP} (.+)$")
 _BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
@@ -75,8 +77,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     text = document.text.text
     suggestions, search = Suggestions(text, asked), PhraseSearch(text)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
-    counted, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
-    members = [Member.of(number, suggestions, text, equations, letters) for number in counted]
+    unlabelled, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
+    members = [Member.of(number, suggestions, text, equations, letters) for number in unlabelled]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
     in_code = [m for m in members if m.number.start in code]
@@ -92,7 +94,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
             for problem, numbers in suggestions.foreign_problems()
         ]
-        drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in counted}, ids)
+        drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
     open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
     if open_numbers and not any(" t={" in one for one in suggestions.stated) and (unread := unread_equation(text)):
         at, equation, why = unread
@@ -112,7 +114,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
-        methods = _methods(group, " ".join((phrase, *address)), suggestions) if len(stands) == 1 else []
+        said = " ".join((phrase, *address[:2], *address.columns))
+        methods = _methods(group, said, suggestions) if len(stands) == 1 else []
         drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
@@ -120,6 +123,13 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
     for why, those in suggestions.not_asked.items():
         drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
+    printed = [document.span(one.printed) for one in listings_in(document) if one.printed]
+    left = [x for x in members if not (x.strong or x.chosen) and any(a <= x.number.start < b for a, b in printed)]
+    if len(left) >= _FEWEST_PRINTED:
+        said = f"{counted(len(left), 'number')} that listings print"
+        drafted.append(
+            f"# `driftproof check {' '.join(name.split())} --run` compares {said} and no claim above holds.\n"
+        )
     if inputs:
         drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
@@ -205,7 +215,8 @@ def _claim(
         ids[place] += 1
         place += f" ({ids[place]})" if ids[place] > 1 else ""
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
-    lines += [f"{x} = {_quoted(said)}" for x, said in zip(Address._fields, address, strict=True) if said]
+    lines += [f"{x} = {_quoted(said)}" for x, said in zip(("row", "column"), address[:2], strict=True) if said]
+    lines += [f"column = [{', '.join(map(_quoted, address.columns))}]"] * bool(address.columns)
     if valued or chosen:
         lines += _values([member for member in group if member.strong]) if valued else []
         lines += [f"method = {json.dumps(methods if methods[1:] else methods[0])}"] if methods else []

@@ -144,6 +144,7 @@ class LookAlikes:
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
+        of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         kinds = {without_sizes(each.question) for each in meant if each.stated}
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
@@ -154,6 +155,8 @@ class LookAlikes:
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question)
+            # One digit of an unknown of the text's own problem is nothing of the lesson's.
+            denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
@@ -203,6 +206,12 @@ class LookAlikes:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
 
+    def counts_of_methods(self, number: TextNumber) -> bool:
+        """True if its column has one number for each method, not all the same: found, and not chosen."""
+        column = self._company[self.tables.column_place(number)]
+        rows = [next((cell.text for cell in self.tables.row_of(x) if cell.text), "") for x in column]
+        return len({x.text for x in column}) > 1 and len({*rows}) == len(rows) and bool(methods_named(rows[0]))
+
     @cached_property
     def _numbers(self) -> list[TextNumber]:
         return [number for number in numbers_in(self.text) if number.label is None]
@@ -220,9 +229,13 @@ class LookAlikes:
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
         near += self.tables.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
+        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
+            said = " ".join(sentence_around(self._lower, number.start, number.end))
+            single = {name for name in stand if not re.search(rf"(?<![a-z]){name}", said)}
         spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
         return {
-            known.question: sum(x in stand for x in known.names)
+            known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
             + sum(not line.isdisjoint(x) for x in known.numbers)
             + sum(not spoken.isdisjoint(x) for x in known.methods)
             for known in self._known
@@ -422,6 +435,11 @@ class LookAlikes:
 def without_sizes(question: str) -> str:
     """The question without its step size and time."""
     return _SIZE.sub("", question)
+
+
+def _of_lesson(known: KnownValue) -> bool:
+    """True for what a run of the lesson gives, no fact and of no problem of the text."""
+    return known.rank == 0 and (" : " in known.question or "." in known.question.partition(" ")[0])
 
 
 def printed(done: Calculation, number: TextNumber) -> list[str]:

@@ -15,22 +15,26 @@ from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.look_alikes import LookAlike
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.stated_problems import LIMIT
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import TextNumber
 
 # Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
 _SETTING = re.compile(
-    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
+    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnzkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
     r"|[^\W\d_]\w{0,9}'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
-# Words before the limit of a step size, as in stable up to h = 1.4, and before a time that is found.
-_LIMIT = re.compile(r"\b(?:up to|out to|until|at most|stable for|limit|largest step)\b[^.;,]{0,20}\Z")
+# Words before a step size or a time that is found, and before a number of steps, as in "it has doubled after".
 _FOUND = re.compile(
     r"\b(?:reache[sd]|attain(?:s|ed)|cross(?:es|ed|ing)|occurs?|peaks?|peaked|maxim\w+|minim\w+|vanish\w+|hits?|lands?|"
-    r"touches|falls (?:below|to)|drops (?:below|to)|exceeds|passes|blow\w*|half-life|turning point)\b[^.;,=]{0,40}\Z"
+    r"touches|falls (?:below|to)|drops (?:below|to)|exceeds|passes|blow\w*|half-life|turning point|that is|"
+    r"means|hence|therefore)\b[^.;,=]{0,40}\Z"
 )
-_FEWEST_FOUND = 3  # significant digits of a time that nobody chooses
+_GROWN = re.compile(
+    r"\b(?:(?:doubl|halv|tripl|overflow|diverg|converg|explod)\w*[^.:;,=]{0,40}|answer\b[^.;,=]{0,40})\Z"
+)
+_FEWEST_FOUND = 3  # significant digits of a step size or a time that nobody chooses
 # Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
 _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
@@ -61,15 +65,18 @@ class Member:
         """The number with what the text says about it; `letters` are parameters, and `equations` where one stands."""
         start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
         before = text[start : number.start].replace("\n", " ")
-        parameter = re.search(r"(?<![\w./])([^\W\d]\w*) ?= ?\Z", before)
+        parameter = re.search(r"(?<![\w./√^])([^\W\d]\w*) ?= ?\Z", before)
         found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
         said = text[max(0, start - 2 * _LONGEST_SETTING) : start + found.start()].lower() if found else ""
+        said, what = said.replace("\n", " "), found[0].lower() if found else ""
         digits = len(digits_of(number.text).rstrip("0"))
-        if _LIMIT.search(said) or (digits >= _FEWEST_FOUND and found and found[0][0] == "t" and _FOUND.search(said)):
+        of_time = digits >= _FEWEST_FOUND and what[:1] in {"t", "h"} and _FOUND.search(said)
+        if LIMIT.search(said) or of_time or (what == "after " and _GROWN.search(said)):
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)
-        if is_head_of("htnz", head) or re.fullmatch(r"(?:[kλω]|step)(?: ?[(\[](?![0-9]).*)?", head):
+        counted = is_head_of("n", head) and suggestions.counts_of_methods(number)
+        if (is_head_of("htnz", head) and not counted) or re.fullmatch(r"(?:[kλω]|step)(?: ?[(\[](?![0-9]).*)?", head):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from driftproof.texts.claims.contradictions import begins_with_method, methods_named
 from driftproof.texts.claims.members import Group
@@ -44,9 +45,15 @@ class PhraseSearch:
         text, start, end = self.text, head.number.start, group[-1].number.end
         first = at = self._beginning(room[0], group)
         line, address = text.rfind("\n", 0, start) + 1, ANYWHERE
-        if text[line:first].strip("| ") and (bound or any(x.strong or x.slips for x in group)):
+        valued = [x.number.start for x in group if x.strong]
+        if text[line:first].strip("| ") and (bound or valued or any(x.slips for x in group)):
             address = self.tables.address(head.number)
-            address = Address(*(x if len(x) <= LONGEST_PHRASE else "" for x in address))
+            row, column = (x if len(x) <= LONGEST_PHRASE else "" for x in address[:2])
+            address = Address(row, column)
+        heads = [self.tables.head_at(x) for x in valued * ("\n" not in text[first:start])]
+        if any(heads) and len("".join(heads)) <= LONGEST_PHRASE:
+            alone = valued == [start]
+            address = address._replace(column=heads[0] * alone, columns=(*heads[alone:],))
         phrase, names = "", iter(placeholders(group))
         for number, strong in ((member.number, member.strong) for member in group):
             phrase += as_phrase(text[at : number.start]) + (f"{{{next(names)}}}" if strong else as_phrase(number.text))
@@ -60,8 +67,16 @@ class PhraseSearch:
             longer = phrase + as_phrase(text[end:last])
             stands = self._found(longer, group, first, last)
             if start in stands:
-                return longer, {at for at in stands if at == start or self.tables.stands_at(address, at)}, address
+                if cell and any(self.tables.head_at(at) != self.tables.head_at(start) for at in stands):
+                    address = Address(column=self.tables.head_at(start))  # z = -1, and no R(z)
+                heads_at = [x - start for x in valued] if address.columns else []
+                return longer, {at for at in stands if at == start or self._is_at(address, at, heads_at)}, address
         return "", set(), address
+
+    def _is_at(self, address: Address, start: int, valued: Iterable[int]) -> bool:
+        """True if the place has that address, and the values so far behind it those columns."""
+        heads = tuple(self.tables.head_at(start + x) for x in valued)
+        return self.tables.stands_at(address, start) and heads == address.columns
 
     def _beginning(self, least: int, group: Group) -> int:
         """The place, at `least`, where the phrase of the group begins."""

@@ -12,12 +12,14 @@ from driftproof.texts.claims.contradictions import (
     POSITIVE,
     SETTING,
     TIME_UNIT,
+    begins_with_method,
     last_methods_named,
     methods_asked,
     methods_named,
     methods_said_of,
     names_in_order,
     sentence_around,
+    sentence_before,
     spoken_names,
 )
 from driftproof.texts.claims.tables import Cell
@@ -31,15 +33,22 @@ ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
     "observed_order": OBSERVED,
-    "stability": r"stability functions?|amplification factors?|growth factors?",
+    "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
-    "ratio": r"factor|ratio|times as|divides",
+    "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|e_n|off(?= by)|wrong|deviat\w+|differ\w+",
-    "exact": r"exact|true|solution|analytical",
+    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value)s?|e_n|"
+    r"off(?= by)|wrong|deviat\w+|differ\w+",
+    "exact": r"exact|true|truth|solution|analytical",
     "evaluations": r"evaluations|calls",
 }
 _QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
+# The solution as the subject of a number, and a pronoun for the subject of the sentence before.
+_SOLUTION_IS = re.compile(
+    rf"\b(?:{_WORDS['exact']})(?: (?:value|solution|answer|there|then|at|for|when|t ?= ?[0-9./]+|\w+ ?=))*"
+    r" (?:is|reads|=|≈)(?: \w+ ?[=≈])? ?\Z"
+)
+_IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0,20}\Z")
 # A quantity whose own value is given, so that what follows is another one.
 _WITH_VALUE = re.compile(rf"(?:{_QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
@@ -105,7 +114,8 @@ class Place:
     """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time.
 
     The row or the sentence of the number gives the settings `near`, and each of them one value; `own` methods are said
-    to be the number's. Of the two runs that a question compares, one of `of_row` has the step size here.
+    to be the number's, or it is said to be `of_solution`. Of the two runs that a question compares, one of `of_row` has
+    the step size here.
     """
 
     methods: frozenset[str]
@@ -115,6 +125,7 @@ class Place:
     sure: bool = False
     near: frozenset[str] = frozenset()
     own: bool = False
+    of_solution: bool = False
     of_row: tuple[int, ...] = (0, 1)
 
     def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
@@ -129,8 +140,11 @@ class Place:
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
 
     def is_of_others(self, question: str) -> bool:
-        """True if the number is said to be of other methods than the question is about."""
-        return self.own and bool(keys := methods_asked(question)) and keys.isdisjoint(self.methods)
+        """True if the number is said to be of other methods than the question is about, or of the solution."""
+        keys, (quantity, _) = methods_asked(question), asked_quantity(question)
+        if self.of_solution:
+            return quantity in {"state", "error"}
+        return self.own and (keys.isdisjoint(self.methods) if keys else {quantity, self.quantity} == {"exact", None})
 
     def is_of_another(self, question: str) -> bool:
         """True if the words here are those of stability functions or observed orders, and the question is not."""
@@ -203,6 +217,12 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
     label = _QUANTITY.match(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
     quantity, name = said[-1].lastgroup if said else label.lastgroup if label else "state" if head else None, None
+    of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
+    if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
+        subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
+        quantity = found.lastgroup if (found := _QUANTITY.match(subject)) else None
+        of_solution = quantity == "exact"
+        of_before = methods_named(subject) if begins_with_method(subject) else set()
     if found := direct or _WORKED_OUT.search(before):
         name, n = found["name"], found["n"]
         if n and name == "k":
@@ -223,7 +243,10 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
-        quantity = "percent" if more["percent"] else counted or "ratio"
+        of_other = more["percent"] and (
+            quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+        )
+        quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
     if (
         re.fullmatch(ORDER_OF_COLUMN, head)
         and "." in text[start:end]
@@ -234,7 +257,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "chosen"
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
-    elif not quantity and near & {*"hzt"} == {"z"}:
+    elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
         quantity = "stability"
     if (
         quantity in COMPARED
@@ -244,7 +267,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         settings["h"], near = Fraction(pairs[-1][1]), near | {"h"}
     elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
-    own = set[str]() if row else methods_said_of(before, after) or _own_of_before(text[:start], before, after)
+    own = (
+        set[str]()
+        if row
+        else methods_said_of(before, after) or of_before or _own_of_before(text[:start], before, after)
+    )
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
     methods = methods or next((named for label in labels if (named := methods_named(label))), set())
@@ -256,7 +283,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = f"d{name[:-1]}" if name.endswith("'") else name
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
-    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own))
+    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own), of_solution)
 
 
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
@@ -285,7 +312,9 @@ def _settings(
     if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + _BESIDE]):  # (0.5, 0.1) at t = 0.2
         end += state.end()
     for x, pattern in {**SETTING, "t": _TIME}.items():
-        beside = re.match(rf",? ?(?:\w{{2,5}} )?{pattern.pattern}", text[end : end + _BESIDE])
+        beside = re.match(
+            rf",? ?(?:(?!and |or |but )\w{{2,5}} )?{pattern.pattern}(?! ?[=≈])", text[end : end + _BESIDE]
+        )
         if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
             beside = None if text[end : end + 1] == "," else beside
         said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]

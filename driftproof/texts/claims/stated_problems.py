@@ -24,12 +24,20 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS = 10_000, 3, 2
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
-_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
+_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^√]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
-_SIZES = re.compile(rf"(?:(?<![\w/])(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
+_SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
+    rf"(?:(?<![\w/])(?:h|dt|Δt) ?[=∈≈]|(?:[Ss]tep ?sizes?(?: of)?|[Ss]teps of)(?: ?[=∈≈])?) ?[{{(]?({_LIST})"
+    r"(?! ?[*·√]| ?[^\W\d]_)"
+)
+# Words before the limit of a step size, as in stable up to h = 1.4.
+LIMIT = re.compile(
+    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
+    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
+)
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
@@ -132,7 +140,7 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
         else:  # an equation in passing does not end what is said of the problem before it
             found = [(one.going_on(problem), equations) for one, equations in found]
     asked = (_questions(*one, text, column_of) for one in found)
-    return list(dict.fromkeys(chain(*asked, _stability_questions(text.lower()))))
+    return list(dict.fromkeys(chain(*asked, _stability_questions(text, column_of))))
 
 
 def speeds_named(text: str, name: str) -> list[str]:
@@ -160,10 +168,11 @@ def unread_equation(text: str) -> tuple[int, str, str] | None:
     return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
 
 
-def _stability_questions(text: str) -> Iterator[str]:
-    """What stability functions are at the arguments that a lower-case text gives."""
-    arguments = list(dict.fromkeys(SETTING["z"].findall(text)))[:_MOST_SIZES]
-    if arguments and (methods := [key for key in METHODS if key in methods_named(text)]):
+def _stability_questions(text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
+    """What stability functions are at the arguments that a text gives, also in columns."""
+    rows = [x.text for x in numbers_in(text) if re.fullmatch(_NUMBER, x.text) and is_head_of("z", column_of(x))]
+    arguments = list(dict.fromkeys((*SETTING["z"].findall(text.lower()), *rows)))[:_MOST_ARGUMENTS]
+    if arguments and (methods := [key for key in METHODS if key in methods_named(text.lower())]):
         yield f"stability_function {{{','.join(methods[:_MOST_METHODS])}}} z={{{','.join(arguments)}}}"
 
 
@@ -335,7 +344,13 @@ def _shown(x: Fraction) -> str:
 
 
 def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
-    lists = ("".join(group or "" for group in match.groups()) for match in pattern.finditer(text))
+    """The numbers of the matches; no limits of step sizes."""
+    chosen = (
+        x
+        for x in pattern.finditer(text)
+        if pattern is not _SIZES or not LIMIT.search(text[max(0, x.start() - _GAP) : x.start()])
+    )
+    lists = ("".join(group or "" for group in match.groups()) for match in chosen)
     return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
 
 

@@ -156,7 +156,7 @@ class Suggestions(LookAlikes):
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}
             of = {x: without_sizes(x) for x in named if sure or " h=" in x}
             found = {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * sure} & others - {""}}
-        elif digits > 4 and runs and not self.tables.row_of(number):
+        elif digits > 4 and runs and not (self.tables.row_of(number) or self._place_of(number).of_solution):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if without_sizes(x) in runs}
         if self._place_of(number).own and not found:

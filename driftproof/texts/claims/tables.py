@@ -13,6 +13,8 @@ from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
 _CELL = re.compile(r"\|\|?|!!|^!")
+# A line of cells: it begins with a sign of cells, or blanks are around one, unlike the bars of |x|.
+_IS_ROW = re.compile(r"^[|!{]|!!|(?<=\s)\|\|?(?=\s|$)")
 # A head in bold on a page of a wiki.
 _BOLD = re.compile(r"\A'{2,3}(.*)'{2,3}\Z")
 
@@ -32,10 +34,14 @@ class Cell(NamedTuple):
 
 
 class Address(NamedTuple):
-    """The beginning of the row of a number, as in RK4 or RK4 | 0.1, and the head of its column; "" for any."""
+    """The beginning of the row of a number, as in RK4 or RK4 | 0.1, and the head of its column; "" for any.
+
+    Several numbers of one row have several `columns`.
+    """
 
     row: str = ""
     column: str = ""
+    columns: tuple[str, ...] = ()
 
 
 ANYWHERE = Address()
@@ -73,11 +79,11 @@ class TextTables:
     def _row(self, start: int) -> list[Cell]:
         row = self._text[start : (self._text.find("\n", start) + 1 or len(self._text) + 1) - 1]
         if start not in self._rows:
-            self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
+            self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) and _IS_ROW.search(row) else []
         return self._rows[start]
 
     def address(self, number: TextNumber) -> Address:
-        """The place of the number, as the text writes it: as much of its row as no other row of its table begins with.
+        """The row of the number, as the text writes it: as much of it as no other one begins with; and its column.
 
         That is the first cell that is not empty, if others begin with all of the cells before the number, too.
         """
@@ -86,8 +92,13 @@ class TextTables:
             self._beginnings[table] = Counter(one for row in self._table(table) for one in _beginnings(row))
         own = _beginnings([cell for cell in row if cell.end <= number.start])
         label = next((one for one in own if self._beginnings[table][one] == 1), next(iter(own), ""))
-        head = next((cell.head_written for cell in row if cell.start <= number.start < cell.end), "")
-        return Address(label, "" if re.match("[-+.]?[0-9]", head) else head)
+        return Address(label, self.head_at(number.start))
+
+    def head_at(self, start: int) -> str:
+        """The head of the column of what begins there, as the text writes it; "" for a number and outside tables."""
+        row = self._row(self._text.rfind("\n", 0, start) + 1)
+        head = next((cell.head_written for cell in row if cell.start <= start < cell.end), "")
+        return "" if re.match("[-+.]?[0-9]", head) else head
 
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""
@@ -107,14 +118,14 @@ class TextTables:
         cell = self.cell_of(number)
         column = self.row_of(number).index(cell) if cell else -1
         start = self._text.rfind("\n", 0, number.start) + 1
-        while start and _CELL.search(self._text, begin := self._text.rfind("\n", 0, start - 1) + 1, start):
+        while start and self._row(begin := self._text.rfind("\n", 0, start - 1) + 1):
             start = begin
         return (start, column) if column >= 0 else (-1, -1)
 
     def _cells(self, row: str, start: int) -> Iterator[Cell]:
         heads, below = dict[int, str](), list[str]()
         above = self._written[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
-        for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
+        for cells in map(_CELL.split, takewhile(_IS_ROW.search, reversed(above))):
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
                 named = [_BOLD.sub(r"\1", cell.strip()) for cell in cells]
                 named = [cell.replace("(3/8)", "(3/8 rule)") for cell in named]

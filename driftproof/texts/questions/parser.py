@@ -25,9 +25,10 @@ from fractions import Fraction
 from itertools import pairwise, takewhile
 from typing import Any, TypeAlias
 
-from driftproof.methods.catalogue import keys_of_name
+from driftproof.methods.catalogue import METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
 from driftproof.methods.field_text import of_first_order
+from driftproof.methods.schemes import Splitting
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
@@ -188,6 +189,9 @@ class _QuestionParser(PieceParser):
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
         elif (readout := head.text.removesuffix(wording.PER_STEP)) in wording.READOUT_WORDS:
+            methods = keys_of_name(parts["subject"].text) if readout != head.text and "subject" in parts else ()
+            if readout == "phase_error" and any(isinstance(METHODS.get(key), Splitting) for key in methods):
+                raise self.error(name, wording.PHASE_PER_STEP.replace("METHOD", methods[0]))
             parts["readout"] = head._replace(text=wording.READOUT_WORDS[readout])
             head = head._replace(text="step" if readout in wording.LOCAL or readout != head.text else "run")
         elif wording.SLOPE.fullmatch(head.text):

@@ -76,6 +76,11 @@ _TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximu
 _SIZES = ("h", "step", "step_size", "time_step")
 _POWER = "(the leading power of h), or one less, as in most papers"
 _TURNS = "dispersion METHOD (leading phase error of a step), or run METHOD h=1/10 t=1 : phase_error"
+# Of a splitting, whose orbit is no circle: the angle of a step depends on where it begins.
+PHASE_PER_STEP = (
+    "phase_error_per_step may mean dispersion METHOD (leading phase error of a step, in radians), or "
+    "step METHOD h=1/10 : phase_error (of the step from (1, 0), whose orbit is no circle): say which"
+)
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),

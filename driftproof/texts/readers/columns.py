@@ -16,7 +16,7 @@ def with_columns_parted(text: SourceText) -> SourceText:
     """The text with | before each column of a table, and without the rule below its heads.
 
     A table has rows of two cells or more, at least half of them numbers, that two spaces or a tab part, and above them
-    as many heads.
+    as many heads; a row may end early.
     """
     return joined(_pieces(text)) if re.search("[0-9](?: {2,}|\t)", text.text) else text
 
@@ -27,13 +27,16 @@ def _pieces(text: SourceText) -> Iterator[SourceText | Insertion]:
     starts = [0]
     for line in lines:
         starts.append(starts[-1] + len(line))
-    in_table, rules = set[int](), set[int]()
+    in_table, rules, heads = set[int](), set[int](), -1
     for i, row in enumerate(cells):
-        heads = i - 1 - (i > 1 and _RULE.fullmatch(lines[i - 1]) is not None)
         numbers = sum(_NUMBER.fullmatch(cell[0]) is not None for cell in row)
-        if len(row) > 1 and 2 * numbers >= len(row) and heads >= 0 and len(cells[heads]) == len(row):
+        if len(row) < 2 or 2 * numbers < len(row):
+            continue
+        above = i - 1 - (i > 1 and _RULE.fullmatch(lines[i - 1]) is not None)
+        heads = heads if i - 1 in in_table else above
+        if heads >= 0 and (len(cells[heads]) == len(row) or _begins(row, cells[heads])):
             in_table |= {heads, i}
-            rules |= {i - 1} - {heads}
+            rules |= {i - 1} - {heads, *in_table}
     for i, row in enumerate(cells):
         if i in in_table:
             for cell in row:
@@ -43,3 +46,12 @@ def _pieces(text: SourceText) -> Iterator[SourceText | Insertion]:
             yield Insertion("\n", text.origin(starts[i + 1] - 1))
         elif i not in rules:
             yield text[starts[i] : starts[i + 1]]
+
+
+def _begins(row: list[re.Match[str]], heads: list[re.Match[str]]) -> bool:
+    """True if the row has the first columns of the heads: each cell stands below its own, and before the next one."""
+    own = zip(row, heads, strict=False)
+    return len(row) < len(heads) and all(
+        head.start() < cell.end() and cell.start() < after.start()
+        for (cell, head), after in zip(own, heads[1:], strict=False)
+    )

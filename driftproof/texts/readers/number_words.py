@@ -37,7 +37,10 @@ _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$",
 # A number of steps as N = 100.
 COUNT_GIVEN = re.compile(r"(?<!\w)[nN] ?= ?([1-9][0-9]{0,4})(?![\w.])")
 # A count of steps in digits or, below twenty, in words.
-_STEPS = re.compile(rf"(?<![\w.])([0-9]{{1,5}}|{_UNIT}) (?:time |equal )?step(?:s\b|\b(?! ?size))", re.IGNORECASE)
+_STEPS = re.compile(
+    rf"(?<![\w.])([0-9]{{1,5}}|(?<!of )(?<!than )(?<!three and )(?:{_UNIT})) (?:time |equal )?step(?:s\b|\b(?! ?size))",
+    re.IGNORECASE,
+)
 
 
 def counts_of_steps(text: str) -> list[int]:

@@ -26,6 +26,11 @@ PLACE = "driftproof_place"
 # TeX that Jinja2 would read as its own: an argument {#1}, and a brace and a comment sign {% at the end of a line.
 # Noncharacters of Unicode replace the signs during the lexing.
 _OF_TEX = ((re.compile(r"(?<=\{)#(?=#*[0-9])"), "\ufdd0", "#"), (re.compile(r"(?<=\{)%(?=[ \t]*\r?\n)"), "\ufdd1", "%"))
+# Lines of tags only, which are no lines of the text: a blank one would end a table. Not in {% raw %}, nor with {%+.
+_TAGS_ALONE = re.compile(
+    r"(?ms)(?P<raw>\{%[-+]?\s*raw\b.*?\bendraw\s*[-+]?%\})"
+    r"|^[ \t]*(?P<tags>(?:(?:\{%(?!\+|-?\s*raw\b)(?:(?!%\}).)*%\}|\{#(?:(?!#\}).)*#\})[ \t]*)+)(?:\n|\Z)"
+)
 
 
 class TemplatePlace(NamedTuple):
@@ -90,9 +95,10 @@ class _Lexer(Lexer):
                 reason = f"the noncharacter U+{ord(mark):04X} is not allowed in a text"
                 raise TemplateSyntaxError(reason, source.index(mark) + 1, name, filename)
             source = pattern.sub(mark, source) if self.tex else source
+        without = _TAGS_ALONE.sub(lambda line: line["raw"] or re.sub(r"(?<=[%#]\})[ \t]+", "", line["tags"]), source)
         offset = end = 0
         try:
-            for _, token, text in super().tokeniter(source, name, filename, state):
+            for _, token, text in super().tokeniter(without, name, filename, state):
                 offset = source.index(text, end)
                 end = offset + len(text)
                 for _, mark, sign in _OF_TEX:

@@ -251,3 +251,38 @@ def test_a_fact_is_in_words():
         ValueError, match=r"claim 'a': order rk4 is a number; its phrase has no \{value\} in place of one"
     ):
         findings("of order 4", claim("of order", "value = 'order rk4'"))
+
+
+MOVED = """Throughout, h = 0.1. It is stable up to h = 1, and with h = 0.25 the truth is 1.481636.
+
+| Method | y(1) | y(2) |
+|---|---|---|
+| Euler | 0.40096 | 0.16077 |
+
+The errors:
+
+| Method | order | error |
+|---|---|---|
+| Euler | 1 | 0.03283 |
+"""
+OF_MOVED = """claim = [
+    { id = "h", phrase = "h = 0.1", given = true },
+    { id = "other h", phrase = "h = 0.25", given = true },
+    { id = "truth", phrase = "truth is {value}", value = { given = "1.481636" } },
+    { id = "row", phrase = "| Euler | {a} | {b}", column = ["y(1)", "y(2)"], values = VALUES },
+]""".replace("VALUES", "{ a = { given = '0.40096' }, b = { given = '0.16077' } }")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "found"),
+    [
+        ("h = 0.1", "h = 0.25", 1, "0.25"),  # and not the 1 of h = 1
+        ("truth is", "value is", 1, "value is 1.481636"),
+        ("| Euler | 0.4", "| Heun | 0.4", 5, "| Heun | 0.40096 | 0.16077"),  # and not the other row of Euler
+        ("| Euler | 0.4", "| Euler | 0.3", 5, "0.30096"),
+    ],
+)
+def test_what_is_wrong_is_reported_where_it_was_changed(old, new, line, found):
+    document = document_of(MOVED.replace(old, new, 1), "markdown")
+    findings = [x for one in check_claims(document, parse_claims(OF_MOVED).claims) for x in one.findings]
+    assert (findings[0].line, findings[0].found) == (line, found)

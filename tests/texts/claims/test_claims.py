@@ -95,6 +95,8 @@ BAD = [
     (CLAIM + "answer = 'no'", "answer is for a phrase without a placeholder, with a question as its value"),
     (CLAIM + "method = 'Euler'", "method is the key of a method that the text names where the value stands, or one"),
     (CLAIM + "row = ''", "row"), (CLAIM + "column = 1", "column"),
+    (CLAIM + "column = ['h', 'k']", "column is the head of a column of a table, or a"),
+    (CLAIM + "column = [1]", "column"),
     (CLAIM + "method = 1", "method is the key of a"), (CLAIM + "method = ['rk4', 'rk4']", "method is the key of a"),
     ("[[claim]]\nid = 'a'\nphrase = 'of RK4'\ngiven = true\nmethod = 'rk4'", "method is the key of a method"),
     (CLAIM.replace("is {value}", "is {other}"), "has the placeholder {other}, which neither value nor values defines"),

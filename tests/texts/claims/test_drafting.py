@@ -231,3 +231,13 @@ def test_a_start_to_which_no_number_belongs_is_named(start, foreign):
     text += "y₂ = 0.960690, y₃ = 0.915118, y₄ = 0.858206, y₅ = 0.794947."
     said = "# None of 4 numbers belongs to the problem that was read, y'=-2 t y^2, y(0)=2; is it this one?"
     assert (said in draft(document_of(text, "plain"), "a")) is foreign
+
+
+PRINTED = "```python\nfor i in range({0}):\n    print(i * 7.123)\n```\n\n```text\n{1}\n```\n"
+
+
+@pytest.mark.parametrize(("count", "said"), [(4, True), (2, False)])
+def test_a_draft_recommends_to_run_what_prints_numbers_that_no_claim_holds(count, said):
+    printed = PRINTED.format(count, "\n".join(f"{i * 7.123:.3f}" for i in range(1, count + 1)))
+    text = draft(document_of(printed, "markdown"), "a.md")
+    assert (f"# `driftproof check a.md --run` compares {count} numbers that listings print" in text) == said

@@ -53,8 +53,38 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
 
 
 def test_a_limit_of_the_step_size_is_found_not_chosen():
-    for said, given in (("h = 1.414", 1), ("It is stable up to h = 1.414", 0), ("RK4 holds out to h = 1.414.", 0)):
-        assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given
+    for said, given in (
+        *(("h = 1.414", 1), ("It is stable up to h = 1.414", 0), ("RK4 holds out to h = 1.414.", 0)),
+        *(("With RK4 we may take h = 0.096", 0), ("RK4 tolerates\nh = 0.096 and Euler only h = 0.05", 0)),
+        *(("For M = 3 that is\nh = 2.11e-8", 0), ("so u = 1. Then 2√u = 0.12 for y' = u y", 1)),
+        *(("After 28 steps it is less", 1), ("it decays after 28 steps", 1), ("It has doubled after 28 steps", 0)),
+        *(("How soon? (Answer: after 18.)", 0), ("With RK4 and h = 0.096 we take", 1)),
+    ):
+        assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given, said
+
+
+COSTS = """For y' = -3y, y(0) = 2 to t = 2:
+
+| {} | steps | error |
+|---|---|---|
+| Heun | {} | 3e-7 |
+| {} | {} | 2e-7 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("filled", "given"),
+    [(("Method", 245, "RK4", 26), 0), (("Method", 40, "RK4", 40), 2), (("Method", 40, "Heun", 80), 2)],
+)
+def test_numbers_of_steps_that_methods_need_are_found_and_those_that_all_take_are_chosen(filled, given):
+    document = document_of(COSTS.format(*filled), "markdown")
+    assert held(document, draft(document, "a"))[GIVEN] == given + 3
+
+
+def test_a_chosen_cell_is_no_reason_for_the_same_number_in_another_column():
+    text = "| z | R(z) Euler | note |\n|---|---|---|\n| -1 | 0 | a |\n| -2 | -1 | b |\n"
+    claims = tomllib.loads(draft(document_of(text, "markdown"), "a"))["claim"]
+    assert [one["column"] for one in claims if one["phrase"] == "| -1 |" and "value" not in one] in ([], ["z"])
 
 
 @pytest.mark.parametrize(

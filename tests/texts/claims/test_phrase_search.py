@@ -135,3 +135,36 @@ def test_a_value_behind_a_number_without_a_claim_keeps_its_row_and_column(old, n
     ):
         checked = check_claims(document_of(text, "markdown"), claims)
         assert sum(len(each.findings) for each in checked if each.claim.values) == findings
+
+
+STEPS_IN_HEADS = """For y' = -3y, y(0) = 2, the values at t = 2 are:
+
+| Method | h = 0.2 | h = 0.1 | order |
+|---|---|---|---|
+| Heun | 0.0086161 | 0.0055482 | 2 |
+| RK4 | 0.0050109 | 0.0049601 | 4 |
+
+A smaller step:
+
+| h | RK4: y(2) | error |
+|---|---|---|
+| 0.05 | 0.0049576 | 1.422e-07 |
+| 0.025 | 0.0049575 | 8.349e-09 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("h = 0.2 | h = 0.1", "h = 0.1 | h = 0.2", "h = 0.1"),
+        ("h = 0.1 | order", "order | h = 0.1", "order"),
+        ("RK4: y(2) | error", "error | RK4: y(2)", "error"),
+        ("RK4: y(2) | error", "RK4: y(2) | relative error", "relative error"),
+        ("| RK4: y(2)", "| Heun: y(2)", "Heun: y(2)"),
+    ],
+)
+def test_a_row_that_is_live_as_a_whole_keeps_the_heads_of_its_columns(old, new, found):
+    claims = parse_claims(draft(document_of(STEPS_IN_HEADS, "markdown"), "a")).claims
+    for text, expected in ((STEPS_IN_HEADS, []), (STEPS_IN_HEADS.replace(old, new), [found])):
+        checked = check_claims(document_of(text, "markdown"), claims)
+        assert [x.found for each in checked if each.claim.values for x in each.findings][-1:] == expected

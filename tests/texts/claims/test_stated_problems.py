@@ -368,3 +368,25 @@ def test_an_energy_in_another_name_of_the_derivative_is_that_of_the_problem():
     energies = [one for one in stated(text) if "energy=" in one]
     assert len(energies) == 2
     assert all("energy=dtheta^2/2 - cos(theta), h=" in one for one in energies)
+
+
+@pytest.mark.parametrize(
+    ("said", "sizes"),
+    [
+        ("h = 0.1", {"0.1"}),
+        ("h in {0.1}, and steps of 0.2", {"0.2"}),
+        ("y_1 = y_0 + h(3/2 f_0 - 1/2 f_1) and h = 0.1", {"0.1"}),
+        ("h = 2√(u/M), smallest at h = 3 √u, or h = 4·x, or h = 5 f_n; step size 0.1", {"0.1"}),
+        ("h = 0.1. RK4 allows h = 0.1393, Euler only up to h = 0.05", {"0.1"}),
+    ],
+)
+def test_a_factor_of_a_formula_and_a_limit_are_no_step_sizes(said, sizes):
+    asked = stated(f"y' = -2ty, y(0) = 1 to t = 60 with RK4, {said}.")
+    assert {found[1] for one in asked if (found := re.search(r"h={(.*?)}", one))} == sizes
+
+
+def test_the_steps_of_multistep_methods_are_no_counts_of_steps():
+    asked = stated(
+        "y' = -2ty, y(0) = 1, h = 0.1. Methods of two, three and four steps, none of more than six steps: t = 1"
+    )
+    assert [one for one in asked if one.startswith("exact")] == ["exact y'=-2t*y, y(0)=1, t={1} : {y}"]

@@ -612,3 +612,100 @@ def test_a_head_with_3_8_in_brackets_names_that_method():
     text += "| t | y (Heun 3) | y (3/8) |\n|---|---|---|\n| 1 | 0.3678628 | {} |"
     assert _found(text.format("0.3678798"))[-1] == ("0.3678798", True, [])
     assert _found(text.format("0.3678789"))[-1] == ("0.3678789", False, ["0.3678798"])
+
+
+SATURATES = "P' = 0.8 P (1 - P/12), P(0) = 1.5, with RK4 and h = 0.5.\n\n"
+OF_RK4, OF_SOLUTION = "10.636069", "10.636323"
+
+
+@pytest.mark.parametrize(
+    ("said", "right"),
+    [
+        ("The solution is P(t) = 12/(1 + 7 exp(-0.8t)). At t = 5 it is {}.", OF_SOLUTION),
+        ("At t = 5 the exact value is {}.", OF_SOLUTION),
+        ("RK4 is off at t = 5, for the truth is {}.", OF_SOLUTION),
+        ("At t = 5, RK4 gives {}.", OF_RK4),
+        ("The solution grows. At t = 5, RK4 is at {}.", OF_RK4),
+        ("RK4 is of order 4. At t = 5 it is at {}.", OF_RK4),
+    ],
+)
+def test_what_is_said_of_the_solution_is_no_value_of_a_method_nor_the_other_way_round(said, right):
+    for number in (OF_RK4, OF_SOLUTION):
+        text = SATURATES + said.format(number)
+        suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if x.text == number]
+        alike = suggestions.look_alikes(numbers[0])
+        assert bool(alike and alike[0].strong) == (number == right), number
+
+
+TWO_VALUES = "y' = -2ty, y(0) = 1, RK4, h = 0.1. The solution has {} and y(1) = 0.367879."
+RATIOS = SATURATES + "At t = 5 RK4 has 10.636069. The last ratios of the errors are 1.91, 4.01 and 16.04."
+
+
+@pytest.mark.parametrize(("said", "value"), [("y(2) = 0.01831564", None), ("y(2) = 0.01835164", "t=2 : y")])
+def test_the_time_of_the_next_value_is_not_that_of_this_one(said, value):
+    suggestions = Suggestions(text := TWO_VALUES.format(said))
+    slips = [suggestions.slips(x) for x in numbers_in(text) if x.text.startswith("0.0183")]
+    assert [question[-7:] for one in slips for question in one] == [value] * bool(value)
+
+
+def test_ratios_of_errors_are_no_slips_of_a_state():
+    suggestions, numbers = Suggestions(RATIOS), numbers_in(RATIOS)
+    assert [x.text for x in numbers if suggestions.slips(x)] == []
+    assert [x.text for x in numbers if suggestions.look_alikes(x)[:1] and suggestions.look_alikes(x)[0].strong] == [
+        OF_RK4
+    ]
+
+
+MULTIPLIERS = """| {z} | {a} | {b} |
+|---|---|---|
+| -2.5 | -1.5 | {} |
+| -3 | -2 | 2.5 |"""
+
+
+@pytest.mark.parametrize(
+    ("above", "heads"),
+    [
+        ("Multipliers:", ("z", "R(z) forward Euler", "R(z) Heun")),
+        ("The stability functions:", ("hλ", "forward Euler", "Heun")),
+    ],
+)
+def test_in_rows_of_arguments_a_column_of_a_method_has_its_stability_function(above, heads):
+    for number, strong in (("1.625", True), ("1.652", False)):
+        text = f"{above}\n\n" + MULTIPLIERS.format(number, **dict(zip("zab", heads, strict=True)))
+        suggestions, of = Suggestions(text), {x.text: x for x in numbers_in(text) if x.label is None}
+        alike = {x: suggestions.look_alikes(of[x])[:1] for x in ("-1.5", "-2", "2.5", number)}
+        live = [one.question for found in alike.values() for one in found if one.strong]
+        assert live == [
+            "stability_function forward_euler z=-2.5",
+            "stability_function forward_euler z=-3",
+            "stability_function heun2 z=-3",
+            *["stability_function heun2 z=-2.5"] * strong,
+        ]
+        assert suggestions.slips(of[number]) == ({} if strong else {"stability_function heun2 z=-2.5": "1.625"})
+
+
+SPRING = "x' = v, v' = -4x, x(0) = 1, v(0) = 0, E = v^2/2 + 2x^2. Throughout, h = 0.1 and energy counts.\n\n"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "Show that the determinant of the step of symplectic Euler is 1.",
+        "The first step leads forward Euler to x_1 = 1",
+    ],
+)
+def test_a_single_digit_is_no_value_whose_names_stand_in_another_sentence(said):
+    suggestions = Suggestions(text := SPRING + said)
+    alike = suggestions.look_alikes(numbers_in(text)[-1])
+    assert not [one.question for one in alike if one.strong and "y'=" not in one.question and "v'=" not in one.question]
+
+
+@pytest.mark.parametrize(("said", "slips"), [("off by 0.0179 %", 1), ("loses 0.0179 % of the energy", 0)])
+def test_a_part_of_the_energy_is_no_relative_error(said, slips):
+    text = (
+        SPRING.replace("energy counts", "RK4 to t = 10")
+        + f"At t = 10 RK4 with h = 0.1 is {said}, and 0.0197 % relative."
+    )
+    suggestions = Suggestions(text)
+    found = [suggestions.slips(x) for x in numbers_in(text) if x.text == "0.0179"]
+    assert [len(one) for one in found] == [slips]

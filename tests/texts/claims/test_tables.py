@@ -24,6 +24,12 @@ def test_the_head_of_a_column_is_above_it(text):
     assert heads(text) == {"0.5": "t", "1.125": "heun"}
 
 
+def test_the_bars_of_an_absolute_value_are_no_cells_and_a_caption_with_them_is_no_head():
+    caption = "Errors |y_N - y(2)| for h = 0.1, and more"
+    assert heads(f"{caption}\nMethod | y\nHeun | 1.125") == {"0.1": "", "1.125": "y"}
+    assert heads(f"{caption}\n| Method | y |\n| Heun | 1.125 |")["1.125"] == "y"
+
+
 def test_no_number_outside_a_table_has_a_head_nor_one_below_the_end_of_a_table():
     assert heads("Heun\n0.5") == {"0.5": ""}
     assert heads("| Heun |\nIt is\n| 0.5 |") == {"0.5": ""}

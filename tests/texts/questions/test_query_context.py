@@ -2,6 +2,7 @@
 
 import pytest
 
+from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import require_refusal
 
 REFUSED = [
@@ -94,3 +95,9 @@ REFUSED = [
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_query_is_refused_at_the_column_of_what_is_wrong_with_it(question, column, reason):
     require_refusal(question, column, reason)
+
+
+def test_an_energy_that_the_question_does_not_say_is_asked_for():
+    asked = "energy of velocity Verlet on x''=-sin(x), x(0)=1, x'(0)=0, h=0.1, t=2"
+    require_refusal(asked, 1, "add what it is, as in energy=v")
+    assert value(f"{asked}, energy=dx^2/2 - cos(x)").is_number

@@ -11,7 +11,8 @@ from tests.texts.readers.reading import blocks, read
         (" h     Euler   RK4\n 0.5   1    -\n 0.25  1/3  2", "| h | Euler | RK4\n| 0.5 | 1 | -\n| 0.25 | 1/3 | 2"),
         ("h\tforward Euler\n----  ----\n0.5\t1e-3\nThe end", "| h | forward Euler\n| 0.5 | 1e-3\nThe end"),
         ("a  b\n\n0.5  0.42", "a b\n0.5 0.42"),  # no heads above it
-        ("h  Euler  RK4\n0.5  0.42", "h Euler RK4\n0.5 0.42"),
+        ("h  Euler  RK4\n0.5        0.42", "h Euler RK4\n0.5 0.42"),
+        ("h     e     ratio\n0.5   0.42\n0.25  0.20  2.1", "| h | e | ratio\n| 0.5 | 0.42\n| 0.25 | 0.20 | 2.1"),
         ("One.  Two 3.\nThen.  It is 0.5", "One. Two 3.\nThen. It is 0.5"),
         ("| a  b |\n| 1  2 |", "| a b |\n| 1 2 |"),
     ],

@@ -32,6 +32,13 @@ FIRST = MARKDOWN, HTML, LATEX
         ("{% for i in range(3) %}{{ loop.index }}{{ loop.cycle('a', 'b') }}{% endfor %}", "1a2b3a"),
         ('{% macro m(x) %}[{{ x | digits(2) }}]{% endmacro %}{{ m(value("1/3")) }}', "[0.33]"),
         ("{{ 'a' + 'b' }}{{ 7 // 2 + 7 % 4 }}", "ab6"),
+        (
+            "| a |\n|---|\n{% for i in range(2) %}\n| {{ i }} |\n{% endfor %}\nEnd\n",
+            "| a |\n|---|\n| 0 |\n| 1 |\nEnd\n",
+        ),
+        ("- a\n  {% if 1 %}\n  {# why #} {% set x = 'b' %}\n  - {{ x }}\n  {% endif %}\n- c", "- a\n  - b\n- c"),
+        ("x{% if 1 %}y{% endif %}\nz\n{%+ if 1 %}\n{% endif %}\n", "xy\nz\n\n"),
+        ("{% raw %}\n  {% if x %}\n{% endraw %}\n", "\n  {% if x %}\n\n"),
         ("{# nothing #}{% raw %}{{ x }}{% endraw %}\n", "{{ x }}\n"),
     ],
 )
