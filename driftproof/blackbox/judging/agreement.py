@@ -90,7 +90,8 @@ class Agreement:
     `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
     None. `but_for` says under which allowance none is, if that was tried, and `within` is the smaller domain in which
     none is, if beyond it an iteration does not converge. `narrow` is the format of answers that are not doubles.
-    Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
+    Errors of up to `times` the bound are allowed. Sampling is evidence, not proof; the bound, proportional to a
+    `solver_tolerance`, is proved.
     """
 
     method: str
@@ -103,6 +104,7 @@ class Agreement:
     within: Domain | None = None
     narrow: str = ""
     solver_tolerance: float = 0.0
+    times: int = 1
 
     @property
     def holds(self) -> bool:
@@ -114,7 +116,8 @@ class Agreement:
         """Within what all errors are if it holds."""
         if self.worst.error_over_bound <= 1:
             return "within the derived bound"
-        return f"within {AVERAGES} times the derived bound, as in averages of stages"
+        why = "in averages of stages" if self.times == AVERAGES else "where kicks are added in parts"
+        return f"within {self.times} times the derived bound, as {why}"
 
     @property
     def lines(self) -> list[str]:
@@ -170,7 +173,8 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
     narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
     solved = float(wanted.allowance.solver_tolerance or 0)
-    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, narrow, solved)
+    about = narrow, solved, tolerance.averages
+    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, *about)
 
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
