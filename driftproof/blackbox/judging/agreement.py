@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import ALIKE
 from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
-from driftproof.blackbox.judging.tolerance import AVERAGES, Tolerance
+from driftproof.blackbox.judging.tolerance import AVERAGES, KICKS, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
@@ -149,13 +149,15 @@ class Agreement:
         }
 
 
-def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
+def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES, kicks: int = 1) -> Agreement:
     """Compare the stepper with the method on the oscillator, at `examples` steps that are the same on every run.
+
+    Its errors may be `kicks` times the bound, if these are added in parts.
 
     Raises ValueError if the allowance lacks the solver tolerance of an implicit method or has one for an explicit
     method, or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
-    tolerance, domain = Tolerance.of(wanted, subject.format), wanted.domain
+    tolerance, domain = Tolerance.of(wanted, subject.format, kicks), wanted.domain
     if domain != ORDINARY_DOMAIN:
         tolerance.require_no_overflow(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
@@ -204,7 +206,7 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     if subject.single:
         still = subject.step_field(lambda t, y: [1.0], 0.0, [1.0], -_STEPS_BACK[0]) == [1.0]
         return Remarked(None, _NOT_BACK) if still else StepFinding(True, "")
-    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format, KICKS), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
@@ -224,7 +226,7 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
     one size, since a solver may stop by the largest. The answer is None if only one is taken at a time. Raises
     UnsupportedCall if an array is one state.
     """
-    tolerance, taken, refused = Tolerance.of(wanted, subject.format), list[int](), ""
+    tolerance, taken, refused = Tolerance.of(wanted, subject.format, KICKS), list[int](), ""
     for states, h in _sets_together(subject, wanted):
         try:
             answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
