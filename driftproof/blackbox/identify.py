@@ -241,7 +241,7 @@ class Identification:
     @property
     def _data(self) -> dict[str, Json]:
         seen, read, fit, opened = self.seen, self.seen.read, self.seen.fit, self._opened
-        measured = next(iter(seen.measured), None)
+        measured = next(iter(_measured(seen)), None)
         return {
             "calls": None if opened is None else opened.calls,
             "arithmetic": seen.arithmetic or None,
@@ -283,9 +283,14 @@ def _returned_besides_y1(outcome: Outcome) -> list[str]:
     return [] if found is None else [*found.lines, *found.faults]
 
 
+def _measured(seen: Seen) -> Sequence[MeasuredOrder]:
+    """The orders measured; of a step that has a drag built in, that with the drag added to the force."""
+    damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
+    return seen.measured if damped is None else (damped,)
+
+
 def _orders(seen: Seen) -> list[str]:
     by_trees = [] if seen.read is None else seen.read.order.lines
-    damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
-    measured = [found.words for found in (seen.measured if damped is None else (damped,))]
+    measured = [found.words for found in _measured(seen)]
     linear_only = seen.order.kind == "unsupported_call"
     return [*by_trees, *measured, *(["the order on nonlinear problems is not known"] if linear_only else [])]

@@ -69,8 +69,8 @@ class Report(Printable):
     @property
     def answered(self) -> bool | None:
         """True if the verdict names what was found; None if it is undecided, False if it is unknown or no answer."""
-        begins = self.verdict.replace(",", ":").partition(":")[0]
-        return {UNDECIDED: None, NO_ANSWER: False, NOT_KNOWN: False}.get(begins, True)
+        begins = self.verdict.replace(",", ":").replace(";", ":").partition(":")[0]
+        return {UNDECIDED: None, NO_ANSWER: False}.get(begins, not begins.startswith("it is not a known "))
 
     def section(self, title: str) -> Section | None:
         """The section with this title; None if there is none."""

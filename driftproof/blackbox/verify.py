@@ -12,11 +12,15 @@ from typing import Any
 from driftproof.blackbox import criteria
 from driftproof.blackbox.checks.arguments import arguments, types
 from driftproof.blackbox.checks.homogeneity import digits
+from driftproof.blackbox.checks.step_size import IGNORED
+from driftproof.blackbox.checks.suite import CHECKS, checks_of
+from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
 from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
+from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.report import Report, criteria_parts, sections
@@ -127,13 +131,19 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
             report = _report_on_one_step(runner, method, questions)
             return replace(report, verdict=report.verdict + handed)
     target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
-    parts, data = criteria_parts([*seen.checks.values()], seen.passed)
+    of_own = rounding.kind == OwnSystem.kind and seen.passed is None
+    wrong, others = _faults_of_any_method(runner, rounding.seen) if of_own else ([], [])
+    parts, data = criteria_parts([*seen.checks.values()], seen.passed if not wrong else False)
     data |= {"remarks": [], "calls_made": made}
+    if wrong:
+        parts.append(("Faults", [*wrong, *others]))
+        return Report(target, f"is not {method.key}: {wrong[0]}", False, sections(*parts), {**data, "faults": wrong})
     if seen.passed is False:
         refuted = _refutation(runner, seen)
         data["instead"] = refuted.instead.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
+    parts.append(("Faults", others))
     told = (reply.result for reply in replies if isinstance(reply.result, Remarked))
     checked = (check for reply in replies[len(questions) :] for check in reply.result or () if check.holds is False)
     remarks = [f"remark: {each.words}" for each in (*told, *checked)]
@@ -141,6 +151,23 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
     parts.append(("Calls made", [f"{made} calls of the stepper"] * bool(made)))  # a process that was ended counts none
     return Report(target, verdict, seen.passed, sections(*parts), data)
+
+
+def _faults_of_any_method(runner: IsolatedRunner, system: str) -> tuple[list[str], list[str]]:
+    """What a step with an unknown system does as no method does on any, and what else `identify` calls its faults.
+
+    That is a damping or a turn in each step, however short; an h that is ignored; and where short steps show no slopes,
+    a step of h = 0 that moves the state although every h is used as given.
+    """
+    damping, *answers = runner.run([read_damping, *CHECKS.values()])
+    checks = {check.words: check for check in checks_of(answers)}
+    used = any(check.key == "step_size" and check.holds for check in checks.values())
+    faults = [words for words, check in checks.items() if check.is_fault]
+    wrong = [words for words in faults if words.startswith(IGNORED)]
+    wrong += [] if damping.result is None or wrong else damping.result.faults
+    moved = [words for words in faults if checks[words].key == "zero_step" and used and NO_SLOPES in system]
+    wrong += [] if wrong else moved
+    return wrong, [words for words in faults if words not in wrong]
 
 
 def _refutation(runner: IsolatedRunner, seen: Verification) -> Refutation:

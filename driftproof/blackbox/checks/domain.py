@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import ldexp, nan
+from math import isnan, ldexp, nan
 
 from driftproof.blackbox.checks import borders
 from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, pair_text, steady_runner
+from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
@@ -18,6 +19,7 @@ _PLURALS = ("positions", "velocities")
 _PLAIN = 2.0**-10
 # Sums of stages overflow a few binades early; a step that overflows earlier by this factor multiplies states.
 _EARLY = 2.0**-24
+_EXPONENT = 709.0  # of the largest exponential in binary64; a narrower format overflows before
 # Powers of two on the way out, closely spaced where the limits on everyday angles, speeds and lengths are.
 _OUTWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 20, 30, 50)
 # Powers of two on the way in, as far as binary64 goes.
@@ -81,6 +83,8 @@ def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border
     first = seen.beyond[0]
     if first.answer is None and not first.failure.startswith("raises OverflowError"):  # of Python's own powers
         return Rule(REFUSED, component, seen, more=first.refusal)
+    if not first.finite and _is_no_number(first, component) and short.runner.subject.convention.kind == MAP:
+        return Rule(REFUSED, component, seen, more=f"it returns {first.seen}")
     if not first.finite:
         return Rule(OVERFLOWS, component, seen)
     finite = [trial for trial in seen.beyond if trial.answer is not None and trial.finite]
@@ -95,6 +99,14 @@ def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border
     if plain is None:
         return None
     return Rule(CHANGED, component, seen, more=f"the state changes even as h -> 0: {_becomes(plain)}")
+
+
+def _is_no_number(first: Trial, component: int) -> bool:
+    """True of NaN for a state of ordinary size, of which nothing overflows: where the domain of a built-in system ends.
+
+    Exponentials are the first to overflow, and their quotients and differences are NaN.
+    """
+    return abs(first.given[component]) < _EXPONENT and any(map(isnan, first.answer or ()))
 
 
 def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:

@@ -89,7 +89,7 @@ class WithDamping(_InTwoParts):
         return damping if implicit else [k - g for k, g in zip(self.rate(t, [*y]), damping, strict=True)]
 
 
-def _alone(subject: ForeignStepper) -> ForeignStepper:
+def alone(subject: ForeignStepper) -> ForeignStepper:
     """The subject as a step(f, t, y, h), with zeros for its other functions."""
     still = {JACOBIAN: lambda t, y: [zeros(t, y)] * len(y), TIME_SLOPE: zeros, IMPLICIT: zeros}
     return with_functions(subject, still)
@@ -99,7 +99,7 @@ def measured_of_two(
     subject: ForeignStepper, kind: type[NonlinearProblem], halvings: Sequence[int], slack: float = 0.0
 ) -> MeasuredOrder:
     """The measured order of a stepper of two functions, with h = 2⁻ᵏ in its own floats, on this kind of problem."""
-    problem = kind(**vars(field_problem(_alone(subject))))
+    problem = kind(**vars(field_problem(alone(subject))))
     return measured_in_floats(subject, problem, [2.0**-k for k in halvings], slack)
 
 
@@ -118,8 +118,8 @@ class _TwoFunctionWalker(Walker):
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
         """The problems of a plain walk, with the functions that the stepper takes besides f."""
-        alone = Walker(_alone(self.subject), self.wanted)
-        return [self.kind(**vars(problem)) for problem in alone.problems(numbers)]
+        walker = Walker(alone(self.subject), self.wanted)
+        return [self.kind(**vars(problem)) for problem in walker.problems(numbers)]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from driftproof.blackbox.families import family_walks as walks
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
+from driftproof.blackbox.families.second_answers import ESTIMATE, WithEstimate, embedded_row, judged_second
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.specification import Specification
@@ -33,17 +34,22 @@ _SOLVER, WELL_SOLVED = 64, 2.0**-30
 
 
 @dataclass(frozen=True)
-class ImexIdentity:
+class ImexIdentity(WithEstimate):
     """Both tables of a step, the key of the method that has them or "", the measured order, and a walk of steps."""
 
     reading: ImexReading
     known: str
     measured: MeasuredOrder
     walked: StepFinding | None = None
+    estimate: StepFinding | None = None
 
     @property
     def faults(self) -> list[str]:
-        """The faults under any method: nodes that are not the row sums of the tables."""
+        """The faults under any method: nodes that are not the row sums of the tables, and a wrong error estimate."""
+        return [*self._mistimed, *self.of_estimate(False)]
+
+    @property
+    def _mistimed(self) -> list[str]:
         reading, rounding = self.reading, self.reading.rounding
         if reading.c is None:
             return []
@@ -80,12 +86,14 @@ class ImexIdentity:
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
         name = self.known or self.near or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > WELL_SOLVED else ""
-        return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
+        words = f"it is {name}" + (solved if self.known else f", {self._orders[0]}")
+        return "; ".join([words, *self.faults, *self.of_estimate(None)])
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence: titles with lines."""
-        return [("Coefficients", self._coefficients(self.known)), ("Order", self._orders)]
+        estimate = (ESTIMATE, self.of_estimate(True, False, None))
+        return [("Coefficients", self._coefficients(self.known)), ("Order", self._orders), estimate]
 
     def _coefficients(self, key: str) -> list[str]:
         """Both tables as lines, for the method with this key, or for none if it is ""."""
@@ -109,7 +117,7 @@ class ImexIdentity:
         found = facts.orders_within(walks.NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
-        if self.faults and measured.order is not None and measured.order < found.order:
+        if self._mistimed and measured.order is not None and measured.order < found.order:
             words += f", of order {measured.order} where g or f depends on t"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
         return [words, f"{order_seen(measured.order)} on {measured.problem}, split in two {slopes}"]
@@ -120,7 +128,7 @@ class ImexIdentity:
         reading, tables = self.reading, dict[str, Json]()
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             tables |= {f"a_{part}": [[repr(x) for x in row] for row in a], f"b_{part}": [repr(x) for x in b]}
-        return {"method": self.key, **tables, "measured_order": self.measured.order}
+        return {"method": self.key, **tables, "measured_order": self.measured.order, "remarks": self.of_estimate(None)}
 
     def criteria(self, method: Additive) -> list[Criterion]:
         """The criteria of a method: both tables, the nodes, the order, and how the steps go elsewhere."""
@@ -134,15 +142,15 @@ class ImexIdentity:
         reached = None if order is None else order >= method.claimed_order
         checks = [
             Criterion("Coefficients", found == [], tuple(shown), data),
-            Criterion("Times", not self.faults, tuple(self.faults or ["the times are those of its stages"]), {}),
+            Criterion("Times", not self._mistimed, tuple(self._mistimed or ["the times are those of its stages"]), {}),
             Criterion("Order", reached, tuple(self._orders), {"measured": order}),
         ]
         if found == [] and self.reading.curved > SOLVED:
             early = f"its equations are solved to {self.reading.curved:.1e} only"
             checks.append(Criterion("Stages", False, (early,), {}))
-        elif found == [] and not self.faults and self.walked is not None:
+        elif found == [] and not self._mistimed and self.walked is not None:
             checks.append(Criterion("Steps", self.walked.holds, (self.walked.words,), {}))
-        return checks
+        return [*checks, *(self.criteria_of_estimate if found == [] else [])]
 
 
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
@@ -153,7 +161,21 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
         solved = max(_SOLVER * reading.curved, WELL_SOLVED)
         walked = there_and_back(walks.ImexWalker(subject, Specification(method), solved))
     measured = walks.measured_of_two(subject, walks.WithDamping, _HALVINGS)
-    return ImexIdentity(reading, known.key if known else "", measured, walked)
+    return ImexIdentity(reading, known.key if known else "", measured, walked, _judged_estimate(subject, method))
+
+
+def _judged_estimate(subject: ForeignStepper, method: Additive | None) -> StepFinding | None:
+    """Judge what is returned besides y1 by the embedded rows of both tables."""
+    alone = walks.alone(subject)
+    if method is None or method.b_explicit_embedded is None:
+        return judged_second(subject, alone, method.key if method else "")
+
+    def differing(reading: ImexReading, factor: Fraction | None) -> list[str] | None:
+        b = embedded_row(method.b_explicit, method.b_explicit_embedded or (), factor)
+        b_implicit = embedded_row(method.b_implicit, method.b_implicit_embedded or (), factor)
+        return _differences(replace(method, b_explicit=b, b_implicit=b_implicit), reading)
+
+    return judged_second(subject, alone, method.key, lambda second: _in_order(read_imex_step(second)), differing)
 
 
 def _methods() -> Iterator[Additive]:

@@ -21,7 +21,8 @@ from driftproof.blackbox.families.multistep_recurrence import (
     tolerance_of,
 )
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, course, order_across
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.families.second_answers import WithEstimate, judged_second
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import CLEARANCE, order_seen, power_of_errors, slopes_text
 from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
 from driftproof.blackbox.matching.match import match_tableau, matched
@@ -90,7 +91,7 @@ class StartReading:
 
 
 @dataclass(frozen=True)
-class MultistepReading:
+class MultistepReading(WithEstimate):
     """The recurrence of a stepper's steps, and its start if that was seen.
 
     A stepper that is `handed` the slopes before its first step has no start of its own. `order_across` is the order of
@@ -101,6 +102,7 @@ class MultistepReading:
     start: StartReading | None
     handed: bool = False
     order_across: int | None = None
+    estimate: StepFinding | None = None
 
     @property
     def faults(self) -> list[str]:
@@ -133,7 +135,7 @@ class MultistepReading:
         told = [*(fault for fault in self.faults if not name.endswith(fault)), *filter(None, slow)]
         left = self.recurrence.left
         solved = f", its equations solved to {left:.1e}" if left > WELL_SOLVED else ""
-        return "; ".join([f"it is {name}{started}{solved}", *told])
+        return "; ".join([f"it is {name}{started}{solved}", *told, *self.of_estimate(None)])
 
     @property
     def across(self) -> str:
@@ -179,7 +181,7 @@ class MultistepReading:
             "order": None if facts is None else facts.order,
             "start": None if self.start is None else list(self.start.methods),
             "measured_order": None if self.start is None else self.start.order,
-            "remarks": [self.start.velocities] if self.start is not None and self.start.velocities else [],
+            "remarks": [*filter(None, [self.start and self.start.velocities]), *self.of_estimate(None)],
         }
 
     def criteria(self, method: Multistep) -> list[Criterion]:
@@ -225,12 +227,16 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     """Read the recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
     recurrence = read_recurrence(runs, asked)
-    start, handed, across = None, isinstance(subject.function, HandedSlopes) and subject.function.handed, None
+    start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
+    across, estimate = None, None
     with suppress(Misbehaviour, UnsupportedCall):
         across = order_across(subject, recurrence.facts.order if recurrence.facts else 0)
     with suppress(Misbehaviour):
         start = read_start(runs, recurrence) if not handed and runs.begins_anew() else None
-    return MultistepReading(recurrence, start, handed, across)
+    with suppress(UnsupportedCall):
+        alone = subject.fresh(subject.shortest)
+        estimate = judged_second(alone, alone)
+    return MultistepReading(recurrence, start, handed, across, estimate)
 
 
 def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:

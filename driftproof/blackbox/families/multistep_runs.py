@@ -200,6 +200,30 @@ def remembers(subject: ForeignStepper, uneven: float = 0.0, alike: float = ALIKE
     return bool(off > alike * np.abs(np.array(alone, dtype=float)).max())
 
 
+def _clock_of_run(subject: ForeignStepper) -> str:
+    """The part of h by which all later steps of a run call f too late or early, in words; "" if they do not."""
+    h, t = 1.0, 2.0
+    with suppress(UnsupportedCall, Misbehaviour):
+        runs, asked = MarkedRuns.of(subject), list[float]()
+        problem, start = runs.problem(h, t, bent=True), runs.start(t)
+
+        def rate(at: AnyNumber, y: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
+            asked.append(float(at))
+            return problem.rate(at, [*y])
+
+        heard = replace(problem, rate=rate)
+        course(subject, heard, t, start, h, MANY)
+        in_run, first = asked.copy(), len(asked) // MANY
+        asked.clear()
+        for n in range(MANY):
+            heard.stepped(subject.fresh(), t + n * h, start, h)
+        if len(asked) == len(in_run):
+            off = np.subtract(in_run, asked)[first:] / h
+            if np.ptp(off) <= _EXACTLY and abs(off[0]) > _EXACTLY:
+                return f"later ones call f at t {'+' if off[0] > 0 else '-'} {abs(off[0]):.6g} h instead of t"
+    return ""
+
+
 def later_steps(subject: ForeignStepper, explicit: bool = False) -> StepFinding:
     """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
@@ -210,7 +234,8 @@ def later_steps(subject: ForeignStepper, explicit: bool = False) -> StepFinding:
     except (UnsupportedCall, Misbehaviour) as refusal:
         return StepFinding(None, f"no run of {MANY} steps was obtained: {refusal}")
     if departs:
-        return StepFinding(False, "a step in a run differs from the same step taken alone: it remembers, or varies")
+        differs = "a step in a run differs from the same step taken alone"
+        return StepFinding(False, f"{differs}: {_clock_of_run(subject) or 'it remembers, or varies'}")
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
         if GRID in subject.convention.order and any(remembers(subject, x, alike) for x in _UNEVEN):
             uneven = "where the times of its grid are unequally spaced"

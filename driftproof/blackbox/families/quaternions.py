@@ -109,9 +109,9 @@ class QuaternionReading:
 def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     """Read a step of a quaternion at constant angular velocities. Raises NotReadable, or the stepper's Misbehaviour."""
     rounding = Rounding(subject.format, 12)  # some 60 operations
-    normalised = _normalised(subject, rounding)
+    normalised, bent = _normalised(subject, rounding)
     product, scale, unlike = _rate(subject)
-    if unlike:
+    if unlike := bent or unlike:
         return QuaternionReading("", turn_of([1.0] * len(TURN_ANGLES), rounding), normalised, unlike)
     factors, uneven = _factors(subject, product, rounding)
     slight, turning = _columns(subject, _SLIGHT * _AXES[1], 1.0), _matrix(_AXES[1], product)
@@ -180,15 +180,19 @@ def _columns(subject: ForeignStepper, omega: Array, h: float) -> Array:
     return np.array([turn_quaternion(subject, unit.tolist(), omega.tolist(), h) for unit in np.eye(4)]).T
 
 
-def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
-    """True if the step sets the length to 1. Raises NotReadable if it is otherwise not linear, or remembers."""
+def _normalised(subject: ForeignStepper, rounding: Rounding) -> tuple[bool, str]:
+    """Whether the step sets the length to 1, and in words that it is otherwise not linear, or "".
+
+    Raises NotReadable if it remembers, or if it may make the length of what it is given 1, and is linear in the rest.
+    """
     q, omega = [0.5, -0.5, 0.5, 0.5], [0.5, 1.0, -0.25]
     one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
     if (one != again).any():
         raise NotReadable("the same step taken twice gives different results")
     allowed = rounding.of(8.0)
     if np.max(np.abs(two - 2 * one)) <= allowed:
-        return False
-    if max(np.max(np.abs(two - one)), abs(np.linalg.norm(one) - 1)) <= allowed:
-        return True
-    raise NotReadable("the step is not linear in q, and does not make its length 1")
+        return False, ""
+    bent, free = "the step is not linear in q, and does not make its length 1", np.max(np.abs(two - one)) <= allowed
+    if free and abs(np.linalg.norm(one) - 1) > allowed:
+        raise NotReadable(bent)
+    return bool(free), "" if free else bent

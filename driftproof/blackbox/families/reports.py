@@ -15,6 +15,7 @@ from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
 from driftproof.blackbox.families.quaternions import read_quaternion
 from driftproof.blackbox.families.rosenbrock import read_rosenbrock
+from driftproof.blackbox.families.second_answers import ESTIMATE
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction, introduction
@@ -147,7 +148,8 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     if passed is False:
         failed = next(check for check in checks if check.passed is False)
         other = read.verdict if checks[0].passed is False else failed.lines[0]
-        verdict = f"is not {method.key}{'; ' if checks[0].passed is False else ': '}{other}"
+        but = f"is {method.key}, but " if failed.title == ESTIMATE else f"is not {method.key}"
+        verdict = f"{but}{'; ' if checks[0].passed is False else ': ' * (failed.title != ESTIMATE)}{other}"
         data["instead"] = read.data
     elif passed is None:
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"

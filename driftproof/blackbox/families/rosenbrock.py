@@ -11,6 +11,7 @@ import numpy as np
 
 from driftproof.blackbox.families import family_walks as walks
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
+from driftproof.blackbox.families.second_answers import ESTIMATE, WithEstimate, embedded_row, judged_second
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.specification import Specification
@@ -154,7 +155,7 @@ def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
 
 
 @dataclass(frozen=True)
-class RosenbrockIdentity:
+class RosenbrockIdentity(WithEstimate):
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
     `method` is of the catalogue, or the one asked for, or None if none has them, with its entries in floats, since an
@@ -168,6 +169,7 @@ class RosenbrockIdentity:
     measured: MeasuredOrder
     w_order: int | None
     walked: StepFinding | None = None
+    estimate: StepFinding | None = None
 
     @property
     def order(self) -> int | None:
@@ -177,6 +179,10 @@ class RosenbrockIdentity:
     @property
     def faults(self) -> list[str]:
         """The faults, whatever method it is meant to be."""
+        return [*self._of_derivatives, *self.of_estimate(False)]
+
+    @property
+    def _of_derivatives(self) -> list[str]:
         reading, found, order = self.reading, list[str](), self.order
         left_out = not reading.by
         claimed = 0 if self.method is None or reading.nodes is None else self.method.claimed_order
@@ -199,7 +205,7 @@ class RosenbrockIdentity:
         powers = len(self.reading.weights)
         partly = self.method is not None and powers < self.method.stages
         told = f", judging by {powers} components," if partly else ""
-        return "; ".join([f"it is{told} {name}{measured}", *self.faults])
+        return "; ".join([f"it is{told} {name}{measured}", *self.faults, *self.of_estimate(None)])
 
     @property
     def key(self) -> str | None:
@@ -209,7 +215,8 @@ class RosenbrockIdentity:
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence: titles with lines."""
-        return [("Coefficients", self._coefficients), ("Order", self._orders)]
+        estimate = (ESTIMATE, self.of_estimate(True, False, None))
+        return [("Coefficients", self._coefficients), ("Order", self._orders), estimate]
 
     @property
     def _coefficients(self) -> list[str]:
@@ -248,6 +255,7 @@ class RosenbrockIdentity:
             "time_slope": self.reading.by or None,
             "measured_order": self.order,
             "measured_w_order": self.w_order,
+            "remarks": self.of_estimate(None),
         }
 
     def criteria(self, method: Rosenbrock) -> list[Criterion]:
@@ -265,14 +273,14 @@ class RosenbrockIdentity:
         told = "" if whole else f"a stepper of {method.stages} components, as many as there are stages"
         passed = same if whole or not same else None
         checks = [Criterion("Coefficients", passed, tuple(shown), {"differences": list(differences)}, told)]
-        faults = self.faults if same else []
+        faults = self._of_derivatives if same else []
         seen = tuple(faults or ["J at the start", self._coefficients[-1]])
         checks.append(Criterion("Derivatives", not faults, seen, {}))
         reached = None if self.order is None else self.order >= method.claimed_order
         checks.append(Criterion("Order", reached, tuple(self._orders), {"measured": self.order}))
         if same and not faults and self.walked is not None:
             checks.append(Criterion("Steps", self.walked.holds, (self.walked.words,), {}))
-        return checks
+        return [*checks, *(self.criteria_of_estimate if same else [])]
 
 
 def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
@@ -294,7 +302,29 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
         orders = facts.orders_within(walks.NO_RESIDUAL) if found.decimal else facts
         told = f"order {orders.order} with J = f', {orders.w_order} with any matrix{digits}"
         plain = _with_float_entries(found)
-    return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked)
+    estimate = _judged_estimate(subject, found or asked)
+    return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked, estimate)
+
+
+def _judged_estimate(subject: ForeignStepper, method: Rosenbrock | None) -> StepFinding | None:
+    """Judge what is returned besides y1 by the products of the embedded row, which may use further stages."""
+    if method is None or method.b_embedded is None:
+        return judged_second(subject, walks.alone(subject), method.key if method else "")
+
+    def differing(reading: RosenbrockReading, factor: Fraction | None) -> list[str] | None:
+        rows = method.b, method.b_embedded or ()
+        pairs = tuple(Fraction(abs(float(x)) + abs(float(z))) for x, z in zip(*rows, strict=True))  # as y1 and y1_hat
+        products, terms = (
+            _Products.of(replace(method, b=row), len(reading.weights)) for row in (embedded_row(*rows, factor), pairs)
+        )
+        used = range(len(products.nodes))
+        kept = np.ix_([*used, -1], used)
+        products.sizes = [x + z[kept] for x, z in zip(products.sizes, terms.sizes, strict=True)]
+        wrong = products.differences(reading)
+        late = ["df/dt enters with other weights"] * products.time_slope_differs(reading)
+        return wrong if wrong is None else [line.replace("the result", "the estimate") for line in wrong + late]
+
+    return judged_second(subject, walks.alone(subject), method.key, read_rosenbrock_step, differing)
 
 
 def _with_float_entries(method: Rosenbrock) -> Rosenbrock:

@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import ALIKE
 from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
-from driftproof.blackbox.judging.tolerance import AVERAGES, Tolerance
+from driftproof.blackbox.judging.tolerance import AVERAGES, KICKS, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
@@ -90,7 +90,8 @@ class Agreement:
     `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
     None. `but_for` says under which allowance none is, if that was tried, and `within` is the smaller domain in which
     none is, if beyond it an iteration does not converge. `narrow` is the format of answers that are not doubles.
-    Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
+    Errors of up to `times` the bound are allowed. Sampling is evidence, not proof; the bound, proportional to a
+    `solver_tolerance`, is proved.
     """
 
     method: str
@@ -103,6 +104,7 @@ class Agreement:
     within: Domain | None = None
     narrow: str = ""
     solver_tolerance: float = 0.0
+    times: int = 1
 
     @property
     def holds(self) -> bool:
@@ -114,7 +116,8 @@ class Agreement:
         """Within what all errors are if it holds."""
         if self.worst.error_over_bound <= 1:
             return "within the derived bound"
-        return f"within {AVERAGES} times the derived bound, as in averages of stages"
+        why = "in averages of stages" if self.times == AVERAGES else "where kicks are added in parts"
+        return f"within {self.times} times the derived bound, as {why}"
 
     @property
     def lines(self) -> list[str]:
@@ -146,13 +149,15 @@ class Agreement:
         }
 
 
-def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
+def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES, kicks: int = 1) -> Agreement:
     """Compare the stepper with the method on the oscillator, at `examples` steps that are the same on every run.
+
+    Its errors may be `kicks` times the bound, if these are added in parts.
 
     Raises ValueError if the allowance lacks the solver tolerance of an implicit method or has one for an explicit
     method, or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
-    tolerance, domain = Tolerance.of(wanted, subject.format), wanted.domain
+    tolerance, domain = Tolerance.of(wanted, subject.format, kicks), wanted.domain
     if domain != ORDINARY_DOMAIN:
         tolerance.require_no_overflow(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
@@ -170,7 +175,8 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
     narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
     solved = float(wanted.allowance.solver_tolerance or 0)
-    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, narrow, solved)
+    about = narrow, solved, tolerance.averages
+    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, *about)
 
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
@@ -200,7 +206,7 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     if subject.single:
         still = subject.step_field(lambda t, y: [1.0], 0.0, [1.0], -_STEPS_BACK[0]) == [1.0]
         return Remarked(None, _NOT_BACK) if still else StepFinding(True, "")
-    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format, KICKS), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
@@ -220,7 +226,7 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
     one size, since a solver may stop by the largest. The answer is None if only one is taken at a time. Raises
     UnsupportedCall if an array is one state.
     """
-    tolerance, taken, refused = Tolerance.of(wanted, subject.format), list[int](), ""
+    tolerance, taken, refused = Tolerance.of(wanted, subject.format, KICKS), list[int](), ""
     for states, h in _sets_together(subject, wanted):
         try:
             answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)

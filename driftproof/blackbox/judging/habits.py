@@ -12,8 +12,8 @@ from math import inf, log10
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, Example, agreement
 from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
-from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
+from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.number_field import Exact
@@ -53,6 +53,12 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
     q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
     if subject.step(q, v, h) != answer:  # no habit explains a step that goes elsewhere when it is made again
         return found
+    # Of a force, whose coefficients are read as well: no rounding of these is taken for that of sums.
+    by_force = subject.convention.kind == FORCE and isinstance(wanted.method, Splitting)
+    if by_force and found.worst.error_over_bound <= KICKS:
+        in_parts = agreement(subject, wanted, examples, KICKS)
+        if in_parts.holds:
+            return in_parts
     for words, habit in HABITS.items():
         allowing = replace(wanted, allowance=habit(wanted.allowance))
         if words == _OF_POSITIONS and subject.convention.kind == FIELD:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
 from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
-from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -22,7 +22,7 @@ def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFind
     The answer is None if it has none of these; its words then name the parameters that were left at their defaults.
     Raises UnsupportedCall if it has no further parameters at all.
     """
-    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format, KICKS), ordinary_arguments(subject, wanted.domain)
     known = {*subject.convention.extra, *subject.adapter.parameters}
     left = [name for name in _optional(subject) if name not in known]
     held = list[str]()

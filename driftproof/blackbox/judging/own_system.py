@@ -44,6 +44,9 @@ _NEAR = 2.0**-18
 _TIMES, _COMPARED, _SEEN_BENT, _ROUNDS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 80
 
 
+NO_SLOPES = "short steps show no slopes of it"
+
+
 class OwnSystem(Misbehaviour):
     """Its system is built in and is not q'' = -q: its steps do not show all of a method."""
 
@@ -89,7 +92,7 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
         states = [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
     system = OwnSteps.of(subject, states)
     if system is None and len(states[0]) > 2:
-        raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and short steps show no slopes of it")
+        raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and {NO_SLOPES}")
     return system
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding, WrongShape
 from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
-from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
 from driftproof.blackbox.judging.walks import NUDGE, Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
@@ -135,7 +135,7 @@ def _tried(
 
     If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
-    tolerance, seen = Tolerance.of(wanted, subject.format), list[tuple[float, float]]()
+    tolerance, seen = Tolerance.of(wanted, subject.format, KICKS), list[tuple[float, float]]()
     (*_, (q, v)), (*_, h) = ordinary_arguments(subject, wanted.domain)
     for nudge in () if subject.single else nudges:
         q, v = (float(subject.format.nearest(Fraction(nudge * x))) for x in (q, v))

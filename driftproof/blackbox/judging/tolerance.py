@@ -14,7 +14,7 @@ from flint import arb, arb_poly, ctx
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
 from driftproof.methods.catalogue import of_one_state
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Method, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
@@ -28,6 +28,9 @@ _BITS = 320
 # A stage may be an average of states and a slope, as the last one of Heun's method is in (y + y1 + h f(y1))/2. That
 # takes each of its terms through at most four roundings (a weight, its product, two sums), and a sum of slopes one.
 AVERAGES = 4
+# A kick may be added in parts, as of a force that is a sum of three: each of its terms passes two more roundings, which
+# at most triple its share of the bound.
+KICKS = 3
 
 
 class Judgement(NamedTuple):
@@ -52,11 +55,13 @@ class Tolerance:
     method: Method
     format: FloatFormat = BINARY64
     allowance: Allowance = NO_ALLOWANCE
+    kicks: int = 1
 
     @classmethod
-    def of(cls, wanted: Specification, fmt: FloatFormat) -> Tolerance:
-        """The tolerance of a specification in a format."""
-        return cls(of_one_state(wanted.method), fmt, wanted.allowance)
+    def of(cls, wanted: Specification, fmt: FloatFormat, kicks: int = 1) -> Tolerance:
+        """The tolerance of a specification in a format; of a splitting, whose kicks may be added in so many parts."""
+        method = of_one_state(wanted.method)
+        return cls(method, fmt, wanted.allowance, kicks if isinstance(method, Splitting) else 1)
 
     def __post_init__(self) -> None:
         """Raise ValueError unless a `solver_tolerance` is given for an implicit method, and only then."""
@@ -99,9 +104,9 @@ class Tolerance:
 
     @property
     def averages(self) -> int:
-        """How many times the bound a step may be off that averages states of its stages; 1 if it has none."""
+        """How many times the bound a step may be off that averages states of its stages, or adds `kicks` in parts."""
         staged = isinstance(self.method, RungeKutta) and self.method.explicit and self.method.stages > 1
-        return AVERAGES if staged else 1
+        return AVERAGES if staged else self.kicks
 
     def require_no_overflow(self, state: float, h: float) -> None:
         """Raise BadInput for sizes at which a sum of |monomials| overflows, so that no bound holds."""

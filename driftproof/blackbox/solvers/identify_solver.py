@@ -29,7 +29,8 @@ _WHAT_TO_DO = {
     WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
-_REMARK = "; remark: {}"
+# The remark of a verdict; and how the line begins on what a fault of ours left unmeasured.
+_REMARK, _LOST = "; remark: {}", "not measured"
 
 
 def identify_solver(
@@ -95,7 +96,14 @@ def _held(
     faults: Sequence[str],
     remarks: Sequence[str],
 ) -> Report:
-    """The report on a solver that should advance this method. Steps of several methods in turn leave that open."""
+    """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
+
+    One with faults of its own fails, whatever it advances; one whose runs gave no evidence is undecided.
+    """
+    own = [fault for fault in faults if not fault.startswith(_LOST)]
+    if steps is None and own:
+        verdict = "; ".join([*faults, report.verdict.partition(f"; {faults[0]}")[0]])
+        return replace(report, verdict=verdict, passed=False)
     if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
         passed = False if report.answered is False else None
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
@@ -108,7 +116,11 @@ def _held(
         return replace(report, verdict=f"is not {method.key}; {report.verdict}", passed=False)
     if faults:
         return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
-    return replace(report, verdict=f"is {method.key}{''.join(map(_REMARK.format, remarks))}", passed=True)
+    verdict = f"is {method.key}{''.join(map(_REMARK.format, remarks))}"
+    if report.data["runs"] is None:
+        verdict = f"{UNDECIDED} whether it {verdict}: its clock and its tolerances are not seen"
+        return replace(report, verdict=verdict, passed=None)
+    return replace(report, verdict=verdict, passed=True)
 
 
 def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
@@ -142,11 +154,12 @@ def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[st
     found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
-    lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == "instrument_failed"]
+    lost = [f"{_LOST}: {each.seen}" for each in (steps, controller, runs) if each.kind == "instrument_failed"]
     all_of = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless, *lost]
     beside = [each for each in all_of if each.startswith("where f ")]
     rows = [controller.result.remark] if controller.result and controller.result.remark else []
-    return [each for each in all_of if each not in beside], [*rows, *beside]
+    unseen = () if runs.failed else runs.result.remarks
+    return [each for each in all_of if each not in beside], [*rows, *beside, *unseen]
 
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:

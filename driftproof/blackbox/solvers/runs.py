@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from math import cos, e, hypot, isclose, isfinite, log, log2, nan, sin
+from math import cos, e, exp, hypot, inf, isclose, isfinite, log, log2, nan, sin
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -32,7 +32,11 @@ from driftproof.blackbox.solvers.foreign_solver import (
 _SPAN = (0.1, 0.1 + 1.7)
 _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES, _TINIEST = (1e-3, 1e-4, 1e-5, 1e-6), 1e-12
+# So many of these tolerances show an effect; solvers of low order take too many calls at the last one.
+_FEWEST = 3
 _SIZE = 2.0**20  # a power of two: numbers so many times as large are rounded alike
+# The size to which a solution grows: its errors are compared at this tolerance with numbers of that size, or of 1.
+_GROWN, _OF_GROWN = 2.0**16, 1e-4
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
 # Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
@@ -67,28 +71,33 @@ _Seen: TypeAlias = tuple[list[str], list[str]]
 
 @dataclass(frozen=True)
 class RunsReading:
-    """What was seen in these runs, by subject, and the faults; all of it is measured on the runs named."""
+    """What was seen in these runs, by subject, and the faults; all of it is measured on the runs named.
+
+    The `remarks` name the subjects of which nothing was seen, as of runs that would take too many calls.
+    """
 
     seen: dict[str, tuple[str, ...]]
     faults: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
 
 def read_runs(subject: ForeignSolver) -> RunsReading:
     """Make the runs one after the other; a run that fails is reported and does not stop the others."""
     seen: dict[str, tuple[str, ...]] = {}
-    faults: list[str] = []
+    faults, remarks = list[str](), list[str]()
     for title, question in _QUESTIONS.items():
         try:
             lines, wrong = question(subject)
         except NoAnswer as hang:
             lines, wrong = [f"not seen: {hang}"], []
+            remarks.append(f"{title.lower()} {lines[0]}")
         except Misbehaviour as failure:
             lines, wrong = [], [f"{title.lower()}: {failure.word}: {failure}"]
         seen[title] = tuple(lines)
         faults += wrong
         if any("cannot integrate" in words for words in wrong):  # other runs would show nothing else
             break
-    return RunsReading(seen, tuple(faults))
+    return RunsReading(seen, tuple(faults), tuple(remarks))
 
 
 def _constant_slopes(subject: ForeignSolver) -> _Seen:
@@ -298,6 +307,18 @@ def _jump(subject: ForeignSolver) -> _Seen:
 
 
 def _tolerance(subject: ForeignSolver) -> _Seen:
+    """Measure the effect of tolerances, and what errors are compared with, also where it takes too many calls."""
+    grown = _of_growth(subject) if subject.adaptive else []
+    try:
+        lines, faults = _on_known_problems(subject)
+    except TooSlow as slow:
+        if not grown:
+            raise
+        return [f"not seen: {slow}"], grown
+    return lines, faults or grown
+
+
+def _on_known_problems(subject: ForeignSolver) -> _Seen:
     """Measure the effect of smaller tolerances or steps on two problems whose solutions are enclosed in balls."""
     lines: list[str] = []
     for words, problem, span in _KNOWN:
@@ -311,7 +332,13 @@ def _tolerance(subject: ForeignSolver) -> _Seen:
 
 def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:
     """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
-    runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
+    runs = list[Solution]()
+    try:
+        runs += (_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES)
+    except TooSlow:
+        if len(runs) < _FEWEST:
+            raise
+    least = _TOLERANCES[len(runs) - 1]
     if failed := next((run for run in runs if run.complaint), None):
         return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
     if early := next((run for run in runs if _ends_early(run, span)), None):
@@ -319,7 +346,7 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
     errors = [_error(run, problem) for run in runs]
     lines = [
         f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
-        for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=True)
+        for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=False)
     ]
     hidden = f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"
     if len({run.t for run in runs}) == 1:
@@ -328,15 +355,17 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
         return [*lines, hidden], []
     # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
-    if max(errors[-1], floor) > max(errors[0] / 10, _TOLERANCES[-1]) and errors[0] > 10 * floor:
+    if max(errors[-1], floor) > max(errors[0] / 10, least) and errors[0] > 10 * floor:
         tiniest = _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST) if errors[0] < _TOLERANCES[0] else None
         if tiniest and not tiniest.complaint and 10 * _error(tiniest, problem) < errors[-1]:
             return [*lines, hidden], []
-        return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
-    clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor]
+        return lines, [
+            f"a tolerance {_TOLERANCES[0] / least:.0f} times smaller does not make the error 10 times smaller"
+        ]
+    clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=False) if error > floor]
     if len(clear) > 1:
-        (first, most), (last, least) = clear[0], clear[-1]
-        lines.append(f"errors fall like rtol^{log(most / least) / log(first / last):.2f}")
+        (first, most), (last, smallest) = clear[0], clear[-1]
+        lines.append(f"errors fall like rtol^{log(most / smallest) / log(first / last):.2f}")
     far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
     return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
 
@@ -405,6 +434,30 @@ def _of_another_scale(subject: ForeignSolver) -> list[str]:
     exchanged = len(one) == len(other) and np.allclose(one, other, rtol=0, atol=_SAME_TIME)
     how = "rtol and atol are exchanged" if exchanged else "errors are not compared with atol + rtol |y| alone"
     return [f"{how}: with y and atol 2^20 times as large it takes {large} steps instead of {small}"]
+
+
+def _of_growth(subject: ForeignSolver) -> list[str]:
+    """The fault of far more steps where y grows from 1 to 2^16 than where it begins there, by the same slopes.
+
+    These are constant up to the middle of the run, and vary from there on, so that no step is short before. About as
+    many steps follow if errors are compared with y as it is, and not with y at the start.
+    """
+    middle = sum(_SPAN) / 2
+
+    def late(start: float) -> int:
+        pace: RunSlopes = lambda n, t, y: [_GROWN * (1 + sin(30 * t) / (2 + exp(40 * (middle - t))))]
+        run = subject.solve(pace, _SPAN, (start,), _OF_GROWN, _OF_GROWN / 1e3)
+        return sum(t > middle for t in run.t)
+
+    grown: float = inf
+    with suppress(Misbehaviour, TooSlow):
+        begun = late(_GROWN)
+        with suppress(DoesNotEnd, TooSlow):
+            grown = late(1.0)
+        if grown > 2 * begun:
+            seen = f"of y from 1 to 2^16 its second half takes {grown} steps, from 2^16 on {begun}"
+            return [f"errors are not compared with atol + rtol |y| alone, as if y were that at the start: {seen}"]
+    return []
 
 
 def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], **settings: Any) -> Solution:

@@ -68,3 +68,27 @@ def test_an_iteration_is_told_from_sub_steps(step, holds, words):
     (check,) = sub_steps(opened(step))
     assert check.holds is holds
     assert words in check.words
+
+
+def heun_on(rate):
+    """Heun's method of a system that it has built in."""
+
+    def step(y, dt):
+        k1 = rate(y)
+        return y + dt / 2 * (k1 + rate(y + dt * k1))
+
+    return step
+
+
+@pytest.mark.parametrize(("count", "holds"), [(lambda h: 1, True), (lambda h: 1 + (abs(h) > 0.5), False)])
+def test_a_step_that_is_two_halves_at_one_h_alone_is_in_no_sub_steps(count, holds):
+    """Of a' = 4(b - a), b' = 4(a - b) steps of h = 1 are two of 1/2: R(-8) = R(-4)^2."""
+    heun = heun_on(lambda y: 4.0 * np.array([y[1] - y[0], y[0] - y[1]]))
+
+    def step(y, dt):
+        for _ in range(count(dt)):
+            y = heun(y, dt / count(dt))
+        return y
+
+    (check,) = sub_steps(opened(step))
+    assert (check.holds, "above h = 0.5 it takes sub-steps" in check.words) == (holds, not holds)

@@ -11,8 +11,11 @@ def floats(rows):
     return np.array([[float(x) for x in row] for row in rows])
 
 
-def rosenbrock(key, *, time_slope="function", reuse=False, stored=False, at_end=False, **changed):
-    """The step of a method of the catalogue; `changed` gives entries of gamma, alpha or b other values."""
+def rosenbrock(key, *, time_slope="function", reuse=False, stored=False, at_end=False, estimate=(), **changed):
+    """The step of a method of the catalogue; `changed` gives entries of gamma, alpha or b other values.
+
+    With the weights eᵢ of an `estimate` it returns h Σ eᵢ kᵢ as well.
+    """
     method = FACTS_ONLY[key]
     alpha, gamma, b = floats(method.alpha), floats(method.gamma), floats([method.b])[0]
     for name, (place, value) in changed.items():
@@ -46,7 +49,8 @@ def rosenbrock(key, *, time_slope="function", reuse=False, stored=False, at_end=
             push = at(i, moved) + h * sums[i] * slope
             push = push + h * matrix @ sum((x * z for x, z in zip(row, k, strict=False)), 0 * y)
             k.append(np.linalg.solve(np.eye(len(y)) - h * row[i] * matrix, push))
-        return y + h * sum(x * z for x, z in zip(b, k, strict=True))
+        y1, error = (h * sum(x * z for x, z in zip(row, k, strict=True)) for row in (b, estimate or 0 * b))
+        return (y + y1, error) if estimate else y + y1
 
     def transformed(f, jac, dfdt, t, y, h):
         inverse, slope, at, u = np.linalg.inv(gamma), slopes_at(f, dfdt, t, y), stages(f, t, y, h), []

@@ -9,8 +9,11 @@ from tests.blackbox.families.linearised_steppers import floats
 from tests.blackbox.implicit_steppers import newton
 
 
-def imex(key, *, implicit_times=None, most=50, **changed):
-    """The step of a method of the catalogue; `changed` gives entries of its tables other values, `most` iterations."""
+def imex(key, *, implicit_times=None, most=50, other=None, **changed):
+    """The step of a method of the catalogue; `changed` gives entries of its tables other values, `most` iterations.
+
+    With the weights of an `other` result, the same in both parts, it returns that as well.
+    """
     method = FACTS_ONLY[key]
     table = {name: floats(getattr(method, name)) for name in ("a_explicit", "a_implicit")}
     table |= {name: floats([getattr(method, name)])[0] for name in ("b_explicit", "b_implicit")}
@@ -32,7 +35,8 @@ def imex(key, *, implicit_times=None, most=50, **changed):
                 )
             k.append(f_explicit(t + c[i] * h, place))
             m.append(f_implicit(at, place))
-        return y + h * sum(x * p + z * q for x, z, p, q in zip(b, b_implicit, k, m, strict=True))
+        y1 = y + h * sum(x * p + z * q for x, z, p, q in zip(b, b_implicit, k, m, strict=True))
+        return y1 if other is None else (y1, y + h * sum(x * (p + q) for x, p, q in zip(other, k, m, strict=True)))
 
     return step
 

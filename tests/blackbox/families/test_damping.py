@@ -94,7 +94,7 @@ def test_a_drag_in_binary32_is_told():
 def test_the_order_is_that_beside_the_drag():
     report = identify(halves, isolate=False)
     assert report.verdict.startswith("it is a step of a force with a drag, of order 2 as measured")
-    assert report.section("Faults") is None
+    assert (report.section("Faults"), report.data["measured_order"]) == (None, 2)
     assert "order 2 is observed on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
     assert verify(halves, "velocity_verlet", examples=20, isolate=False).passed is False
 

@@ -68,6 +68,8 @@ def test_single_steps_and_built_in_systems_are_no_runs():
         return list(accumulate(pairwise(ts), lambda y, pair: y + (pair[1] - pair[0]) * f(pair[0], y), initial=y0))
 
     assert later_steps(opened(run)) == (True, "40 steps of a run, each the same as taken alone", "")
+    late = lambda f, y0, ts: run(lambda t, y: f(t - (ts[1] - ts[0]) * (t > ts[0]), y), y0, ts)
+    assert later_steps(opened(late)).words.endswith("taken alone: later ones call f at t - 1 h instead of t")
     with pytest.raises(UnsupportedCall, match="its steps cannot be marked by a given right-hand side"):
         MarkedRuns.of(opened(lambda q, v, h: (q + h * v, v - h * q)))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof import verify
+from driftproof import identify, verify
 from driftproof.blackbox.families.quaternions import read_quaternion
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
@@ -40,9 +40,9 @@ def test_a_step_is_held_to_a_method_by_its_factor():
         assert report.verdict.startswith(f"is not {key}; it is ")
 
 
-def test_what_is_no_linear_step_is_refused():
-    with pytest.raises(NotReadable, match="not linear in q"):
-        read_quaternion(opened(lambda q, omega, dt: q + dt * codes.body(q, omega) * np.dot(q, q)))
+def test_what_is_no_linear_step_is_a_fault_and_what_remembers_is_refused():
+    bent = read_quaternion(opened(lambda q, omega, dt: q + dt * codes.body(q, omega) * np.dot(q, q)))
+    assert "not linear in q" in bent.faults[0]
     seen = []
 
     def remembering(q, omega, dt):
@@ -74,10 +74,16 @@ def test_what_may_be_rounding_has_a_bound(made, words, places):
     assert parted(lambda subject: "; ".join(read_quaternion(subject).faults), made, words, places)
 
 
-def test_a_length_that_is_made_another_and_a_rotation_by_the_length_are_refused():
-    for step in (lambda q, w, dt: 2 * UNIT(q, w, dt), lambda q, w, dt: UNIT(q, w * np.linalg.norm(q), dt)):
-        with pytest.raises(NotReadable, match="not linear in q, and does not make its length 1"):
-            read_quaternion(opened(step))
+def test_a_length_that_is_made_another_is_undecided_and_a_rotation_by_the_length_fails():
+    words = "the step is not linear in q, and does not make its length 1"
+    before = lambda q, w, dt: RK4(q / np.linalg.norm(q), w, dt)
+    for step in (lambda q, w, dt: 2 * UNIT(q, w, dt), before):
+        report = verify(step, "rk4", isolate=False)
+        assert (report.passed, report.verdict) == (None, f"undecided whether it is rk4: {words}")
+    by_length = lambda q, w, dt: UNIT(q, w * np.linalg.norm(q), dt)
+    report = verify(by_length, "rk4", isolate=False)
+    assert (report.passed, report.verdict) == (False, f"is not rk4; it is not a known quaternion step; {words}")
+    assert identify(by_length, isolate=False).answered is False
 
 
 def test_programs_are_told_the_method_the_product_and_how_fast_it_turns():

@@ -104,6 +104,28 @@ def averaged(part):
     return step
 
 
+def in_parts(parts, stale=False):
+    """Velocity Verlet with a force that is a sum of so many equal parts, or one of them wrongly kept."""
+
+    def step(force, q, v, h):
+        for _ in range(parts):
+            v = v + h / 2 * (force(q) / parts)
+        before, q = q, q + h * v
+        for i in range(parts):
+            v = v + h / 2 * (force(before if stale and not i else q) / parts)
+        return q, v
+
+    return step
+
+
+@pytest.mark.parametrize("parts", [2, 3])
+def test_a_kick_that_is_added_in_parts_has_roundings_of_its_own(parts):
+    found = verify(in_parts(parts), "velocity_verlet", isolate=False)
+    assert found.passed
+    assert "1000 steps within 3 times the derived bound, as where kicks are added in parts" in found.verdict
+    assert verify(in_parts(parts, stale=True), "velocity_verlet", isolate=False).passed is False
+
+
 @pytest.mark.slow
 def test_a_last_stage_that_is_an_average_has_roundings_of_its_own_and_other_faults_beside_them():
     found = verify(averaged(0.5), "heun2", isolate=False)

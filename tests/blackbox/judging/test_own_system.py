@@ -347,3 +347,32 @@ def test_a_place_where_bodies_nearly_touch_does_not_hide_the_system(late, passed
 def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
     step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
     assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict
+
+
+class Thrown:
+    """A body of a game in the plane, with a drag: per unit of time, or wrongly per step."""
+
+    def __init__(self, per_step, swept=0.0):
+        self.pos, self.vel, self.per_step, self.swept = np.zeros(2), np.array([3.0, 4.0]), per_step, swept
+
+    def integrate(self, dt):
+        drag = 0.0 if self.per_step else 0.1
+        self.vel = self.vel + dt * (np.array([0.0, -9.81]) - drag * self.vel)
+        self.vel = self.vel * (1 - self.per_step) + self.swept
+        self.pos = self.pos + dt * self.vel
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ((0.0,), None),
+        ((0.1,), "is not symplectic_euler: the area in phase space is multiplied by 0.9 in each step, however short"),
+        ((0.0, 0.25), "is not symplectic_euler: h = 0 moves the state"),
+    ],
+)
+def test_what_no_method_does_fails_though_the_system_is_not_seen(wrong, words):
+    body = stepper_of(lambda: Thrown(*wrong), position="pos", velocity="vel", advance="integrate")
+    report = verify(body, "symplectic_euler", isolate=False)
+    assert report.passed is (None if words is None else False)
+    assert report.verdict.startswith(words or "undecided whether it is symplectic_euler: its system is built in")
+    assert (report.section("What would decide it") is None) is (words is not None)

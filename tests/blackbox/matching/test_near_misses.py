@@ -220,3 +220,15 @@ def test_a_splitting_whose_constants_are_typed_with_few_decimals_is_named_with_t
     near = match_forces(read_forces(opened(codes.composed(parts[:-1])))).near
     assert [each.key for each in near] == named
     assert all("of 6 decimals" in each.differences[0] for each in near)
+
+
+@pytest.mark.parametrize(("off", "named"), [(1e-7, ["yoshida6"]), (1e-2, [])])
+def test_a_splitting_one_of_whose_numbers_is_mistyped_is_named_with_how_far_its_sub_steps_are_off(off, named):
+    """The number is the first of three from which all sub-steps are computed."""
+    w = [0.784513610477560 + off, 0.235573213359357, -1.17767998417887]
+    w = [*w, 1 - 2 * sum(w), *w[::-1]]
+    kicks = [(x + z) / 2 for x, z in zip([0, *w], [*w, 0], strict=True)]
+    parts = [part for pair in zip(kicks, [*w, 0], strict=True) for part in zip(("kick", "drift"), pair, strict=True)]
+    near = match_forces(read_forces(opened(codes.composed(parts[:-1])))).near
+    assert [each.key for each in near] == named
+    assert all("coefficients, off by up to 2.0e-07, such as kick 0: " in each.differences[0] for each in near)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from driftproof import identify_solver
+from driftproof.blackbox.findings import NoAnswer
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.solvers.test_multistep import adams_bashforth2, by_number
 from tests.blackbox.transcripts import checksum, shortened
@@ -119,6 +121,19 @@ def test_a_hang_and_a_refusal_are_told():
         identify_solver("no.such:solver")
 
 
+def before_its_time(f, t_span, y0, rtol, atol):
+    """The solver returns the time at which each step begins, so that its steps are not read."""
+    times, states, *_ = adaptive()(f, t_span, y0, rtol, atol)
+    return [times[0], *times[:-1]], states
+
+
+def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
+    slow = Mock(side_effect=NoAnswer("no answer within 1 s"))
+    monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.read_runs", slow)
+    report = identify_solver(adaptive(), "bogacki_shampine32", isolate=False)
+    assert (report.passed, report.verdict.partition(":")[2]) == (None, " its clock and its tolerances are not seen")
+
+
 HELD = {
     "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54"),
     "another": (adaptive("dormand_prince54", exponent=0.2), "cash_karp54", False, "is not cash_karp54; it advances"),
@@ -126,6 +141,7 @@ HELD = {
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (by_number(adams_bashforth2), "adams_bashforth3", False, "is not adams_bashforth3; it advances"),
+    "late": (before_its_time, "bogacki_shampine32", False, "u' = 1 ends at u"),
     "without an answer": (lambda *_: 7, "rk4", False, "gives no answer"),
 }
 

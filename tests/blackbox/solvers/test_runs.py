@@ -10,9 +10,9 @@ import pytest
 
 from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.solvers import runs
-from driftproof.blackbox.solvers.foreign_solver import LENGTH, ForeignSolver
+from driftproof.blackbox.solvers.foreign_solver import LENGTH, ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.identify_solver import identify_solver
-from driftproof.blackbox.solvers.runs import read_runs
+from driftproof.blackbox.solvers.runs import _of_growth, read_runs
 from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed, in_steps_of_h, of_scipy
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
@@ -134,6 +134,40 @@ def only_first(name):
 def test_a_tolerance_that_only_sets_the_first_step_size_is_ignored(name):
     faults = read(only_first(name)).faults
     assert [fault.partition(":")[0] for fault in faults] == [f"{name} is ignored"]
+
+
+def of_the_start(f, t_span, y0, rtol, atol):
+    """A solver that compares its errors with y at the start, for ever."""
+    return adaptive(size=lambda y: abs(np.array(y0)))(f, t_span, y0, rtol, atol)
+
+
+def test_errors_that_are_compared_with_the_start_are_told_though_its_tolerances_take_too_many_calls():
+    found = read(of_the_start)
+    assert found.seen["Tolerance"][0].startswith("not seen: after 30000 calls of f")
+    (fault,) = found.faults
+    assert fault.startswith("errors are not compared with atol + rtol |y| alone, as if y were that at the start")
+    assert (
+        "is bogacki_shampine32, but errors"
+        in identify_solver(of_the_start, "bogacki_shampine32", isolate=False).verdict
+    )
+
+
+@pytest.mark.parametrize(("key", "power"), [("heun_euler21", 2), ("dormand_prince54", 5), ("verner87", 8)])
+def test_a_solution_that_grows_takes_no_more_steps_of_a_right_one_and_more_of_a_wrong_one(key, power):
+    right = adaptive(key, exponent=1 / power)
+    wrong = lambda f, t_span, y0, *given: adaptive(key, exponent=1 / power, size=lambda y: abs(np.array(y0)))(
+        f, t_span, y0, *given
+    )
+    told = [_of_growth(SolverTarget(solve).open()) for solve in (right, wrong)]
+    assert [len(faults) for faults in told] == [0, 1]
+
+
+def test_what_is_not_seen_is_remarked_on():
+    """A solver of low order, right, which takes too many calls at small tolerances."""
+    slow = adaptive("heun_euler21", exponent=1, safety=0.9, per_unit=True)
+    report = identify_solver(slow, "heun_euler21", isolate=False)
+    assert report.passed
+    assert "; remark: tolerance not seen: after 30000 calls" in report.verdict
 
 
 @pytest.mark.slow
