@@ -58,6 +58,8 @@ _LONGER = 8
 _AS_CARRIED = 2.0**-8
 # That allowed to the slope at the end: what a solver in use leaves there, or some roundings of a narrow format.
 _AT_END, _ROUNDINGS = 2.0**-20, 16
+# What to write where no wrapper is known.
+_OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"
 # The format for each ending of the name of an answer's type; of several, the widest is that of the step.
 _FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
@@ -136,7 +138,12 @@ def opened(
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
-    raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
+    why = next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
+    asked = why.__cause__
+    if isinstance(asked, AttributeError) and isinstance(asked.obj, np.ndarray | list | tuple | float):
+        theirs = f"asks what it is given for .{asked.name}, and what else that holds is not known; write"
+        raise BadInput(f"{calling.signature_text(given)} {theirs}{_OWN_STEP} that makes it") from asked
+    raise why
 
 
 def _of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
@@ -197,13 +204,13 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     except Exception as failure:
         if isinstance(failure, NameError) or "NameError" in str(failure):
             return line
-        seen = " ".join(str(failure).split())
+        seen = " ".join(str((isinstance(failure, BadInput) and failure.__cause__) or failure).split())
     else:
         moved = [abs(x - y) / _TINY / steps for x, y in zip(end, state, strict=True)]
         if all(1 / _WITHIN < x < _WITHIN for x in moved):
             return line
         seen = f"a step of {_TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
-    return f" a step(f, t, y, h) of your own that calls it; tried: {text}: {seen}"
+    return f"{_OWN_STEP} that calls it; tried: {text}: {seen}"
 
 
 def _scope_of(step: Callable[..., Any]) -> dict[str, Any]:
