@@ -99,10 +99,6 @@ def euler_cromer(x0, v0, omega, dt, T):
         x[n + 1] = x[n] + dt * v[n + 1]
     return np.linspace(0, T, len(x)), x, v
 
-def separable(q, p, dVdq, dTdp, dt):
-    p = p - dt * dVdq(q)
-    return q + dt * dTdp(p), p
-
 def of_interval(func, y, t0, t1, args):
     return y + (t1 - t0) * func(t0, y, args)
 
@@ -224,7 +220,6 @@ PASTED = {
     "by_name": ("f, t, y, h", "return by_name(lambda s, y: f(t + s, y), y, h, h)['y'][-1]", FORWARD),
     "in_pairs": ("f, t, y, h", "return in_pairs(f, t, y, t + h, 1)[-1][1]", FORWARD),
     "euler_cromer": ("q, v, h", "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]", EULER),
-    "separable": (FORCED, "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)", EULER),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),
     "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
