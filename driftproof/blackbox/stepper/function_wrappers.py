@@ -152,6 +152,9 @@ def _two_forces_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     if not {POSITION, VELOCITY} <= roles or len(pair) != 2:
         return ""
     given = arguments_by_role([each for each in names if each not in pair], FORCE)
+    others = {x.name: x.default for x in (parameters_of(step) or {}).values()}
+    counts = [each for each, x in others.items() if type(x) is int and x > 1]  # of inner steps, whose sums round more
+    given, names = {**given, **dict.fromkeys(counts, "1")}, [*names, *counts]
     return _call(step, names, {**given, pair[0]: "lambda q, *rest: 0.0 * q", pair[1]: "force"}, FORCE)
 
 

@@ -25,7 +25,9 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
 
 def test_of_a_step_whose_h_is_built_in_the_wrapper_says_what_to_do():
     names = namespace("def made(h):\n    return lambda q, v: (q + h * v, v - h * q)\n")
-    with pytest.raises(ValueError, match=r"# its h is built in: let it be an argument, or make the step anew"):
+    with pytest.raises(
+        ValueError, match=r"of your own: its h is built in: let it be an argument, or make the step anew"
+    ):
         opened(names["made"](0.25))
 
 
@@ -258,6 +260,29 @@ def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_wor
     subject = opened(names["wrapped"])
     by_runs = key in ("stormer2", "adams_bashforth2", "adams_bashforth3")
     assert key == read_family(subject).key if by_runs else key in keys_of(names["wrapped"])
+
+
+RESPA = """
+def respa(x, v, fast, slow, mass, dt, n_inner=4):
+    before = slow(x)
+    v = v + dt / 2 * before / mass
+    for _ in range(n_inner):
+        v = v + dt / n_inner / 2 * fast(x) / mass
+        x = x + dt / n_inner * v
+        v = v + dt / n_inner / 2 * fast(x) / mass
+    return x, v + dt / 2 * slow(x) / mass
+"""
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_a_step_of_two_forces_is_given_the_one_that_it_calls_least_and_makes_one_inner_step(stale):
+    names = namespace(RESPA.replace("dt / 2 * slow(x)", "dt / 2 * before") if stale else RESPA)
+    with pytest.raises(BadInput) as caught:
+        opened(names["respa"])
+    line = str(caught.value).partition("write: ")[2]
+    assert line.endswith("return respa(q, v, lambda q, *rest: 0.0 * q, force, 1.0, h, 1)")
+    exec(line, names)
+    assert verify(names["wrapped"], "velocity_verlet", examples=50, isolate=False).passed is (not stale)
 
 
 def test_what_a_coupled_step_forgets_shows_in_the_wrapper_that_it_is_shown():
