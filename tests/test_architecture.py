@@ -69,11 +69,11 @@ BUDGETS = {
     "methods": 5512,
     "symbolic": 10721,
     "numeric": 4016,
-    "blackbox": 21497,
+    "blackbox": 21666,
     "enclosure": 4616,
     "texts": 9866,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5905
+BUDGET_OF_REPORTS_AND_FRONT = 5911
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
