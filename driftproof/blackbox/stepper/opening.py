@@ -101,6 +101,8 @@ def opened(
                 raise
             except Misbehaviour as failure:
                 failures.append(failure)
+            except BadInput as refused:  # of a form, which another one may fit
+                failures.append(WrongShape(str(refused)))
         return None
 
     def as_plain() -> ForeignStepper | None:
@@ -170,10 +172,7 @@ def opened(
 
 def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
     """The subject of a form whose names are a guess, which a short step has to leave where it is."""
-    try:
-        found = opened(form, *options)
-    except ValueError as error:
-        raise WrongShape(str(error)) from None
+    found = opened(form, *options)
     for trial in _TRIALS.get(found.convention.kind, (_one_step,)):
         with suppress(Misbehaviour):
             end = trial(found, _TINY**2)

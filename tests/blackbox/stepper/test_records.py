@@ -266,3 +266,19 @@ def test_a_run_may_return_its_positions_and_velocities_by_name(names, rows, stal
         return {name: found[name] if rows else found[name][-1] for name in names.split()}
 
     assert verify(run, "velocity_verlet", examples=20, isolate=False).passed is (not stale)
+
+
+class Held:
+    """Made from an object whose attributes are its own: another form of a call must not be blamed for what it lacks."""
+
+    def __init__(self, atoms, force_fn, timestep):
+        self.atoms, self.force_fn, self.dt = atoms, force_fn, timestep
+        atoms.forces = force_fn(atoms.positions)
+
+    def step(self):
+        self.atoms.positions += self.dt * self.atoms.velocities
+
+
+def test_a_form_that_cannot_be_given_what_it_asks_for_leaves_the_wrapper_to_be_shown():
+    with pytest.raises(ValueError, match=r"Held\(ATOMS, force, 0\.1\), position="):
+        opened(Held)
