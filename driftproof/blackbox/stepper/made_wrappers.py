@@ -205,10 +205,10 @@ def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] 
         getattr(moved, advance)(*[_SHORT if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
         rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
         rates = {each: rate for each, rate in rates.items() if np.any(rate)}
-        pairs = (
-            (x, y) for (x, rate), (y, v) in product(rates.items(), before.items()) if np.shape(rate) == np.shape(v)
-        )
-        return [*rates], next(((x, y) for x, y in pairs if x != y and np.allclose(rates[x], before[y], _NEAR, 0)), None)
+        others = product(rates.items(), before.items())
+        pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
+        near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
+        return [*rates], next(iter(near or pairs * (len(pairs) == 1)), None)  # the only one, though it moves it wrongly
     return [], None
 
 

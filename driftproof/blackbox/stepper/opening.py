@@ -141,10 +141,8 @@ def opened(
             found.convention.run if found.single else {*found.convention.extra} & {*calling.MASSES} and drifts(found)
         )
         return (as_plain() if alone else None) or found  # of n numbers, or of bodies that attract each other
-    wide = any(
-        isinstance(each, WrongShape) or isinstance(each.__cause__, ValueError | IndexError) for each in failures[:1]
-    )
-    lacking = found or wide  # of three numbers, or of a grid
+    # Of three numbers, or of a grid.
+    lacking = found or isinstance(failures[0], WrongShape) or isinstance(failures[0].__cause__, ValueError | IndexError)
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
     if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
@@ -223,9 +221,8 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         return line
     if "built in" in said:
         return f"{OWN_STEP}: {said}"
-    if (head := _HEAD.match(text)) and not {"y", "q", "v"} & {*head[1].split(", ")} & {
-        *_WORD.findall(text, head.end())
-    }:
+    head = _HEAD.match(text)
+    if head and {"y", "q", "v"} & {*head[1].split(", ")} - {*_WORD.findall(text, head.end())}:
         return f"{OWN_STEP} that calls it with its state"
     try:
         exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
