@@ -69,11 +69,11 @@ BUDGETS = {
     "methods": 5539,
     "symbolic": 10721,
     "numeric": 4018,
-    "blackbox": 21193,
+    "blackbox": 22015,
     "enclosure": 4773,
     "texts": 10057,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5923
+BUDGET_OF_REPORTS_AND_FRONT = 5929
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -18,13 +18,14 @@ from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
 from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
+from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.report import Report, criteria_parts, sections
-from driftproof.blackbox.stepper.opening import Target
+from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
@@ -42,6 +43,7 @@ def verify(
     *,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
+    system: Callable[..., Any] | str | None = None,
     examples: int = EXAMPLES,
     domain: Domain = ORDINARY_DOMAIN,
     allowance: Allowance = NO_ALLOWANCE,
@@ -54,7 +56,8 @@ def verify(
     step in a magnetic field. The stepper is tried at `examples` floats from the `domain`; `allowance` adds to the
     bound. If it takes a force or a right-hand side, its coefficients are read, its steps of a nonlinear problem with t
     are compared with the method's own, and its order is measured there. If its system is built in, only its steps of
-    q'' = -q are seen, and the verdict says no more.
+    q'' = -q are seen, and the verdict says no more. With a `system`, the f(t, y) or f(y) that it should have built in,
+    it is the method's steps on that with which its own are compared; y are its numbers in its own order.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -70,14 +73,20 @@ def verify(
     True
     """
     found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
+    if callable(system):  # which no other interpreter can import
+        step = imported(step)
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
         if isinstance(found, FactsOnly | Boris):
+            if system is not None:
+                raise ValueError(f"{found.key} is no method of one step, which alone is held to a system")
             return verify_family(runner, found)
         asked = method_of(found)  # raises ValueError for a family
         if METHODS.get(asked.key, asked) != asked:  # a user's method under the key of another one
             asked = replace(asked, key=f"own_{asked.key}")
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
+        if system is not None:
+            return report_on_system(runner, wanted, system)
         return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
 
@@ -88,6 +97,7 @@ def assert_verified(
     allow_undecided: bool = False,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
+    system: Callable[..., Any] | str | None = None,
     examples: int = EXAMPLES,
     domain: Domain = ORDINARY_DOMAIN,
     allowance: Allowance = NO_ALLOWANCE,
@@ -108,7 +118,9 @@ def assert_verified(
     try:
         limit = (time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit
         options: dict[str, Any] = {"examples": examples, "domain": domain, "allowance": allowance}
-        report = verify(step, method, calls=calls, array=array, time_limit=limit, isolate=isolate, **options)
+        report = verify(
+            step, method, calls=calls, array=array, system=system, time_limit=limit, isolate=isolate, **options
+        )
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)

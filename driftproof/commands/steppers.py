@@ -31,6 +31,7 @@ TARGET = (
 )
 SOLVER_OPTION = cli.flag("--solver", "examine a whole solver: solve(f, t_span, y0, rtol, atol) -> (t, y)")
 METHOD_OPTION = partial(cli.option, "--method")
+SYSTEM_OPTION = cli.option("--system", "f(t, y) that a step without a force should have built in", metavar="MODULE:F")
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
 WITH_A_METHOD = ("examples", "extremes", "largest_step", "largest_state", *ALLOWANCES)
@@ -70,7 +71,10 @@ def identify_command(options: Namespace) -> str:
 
 
 @cli.command(
-    *TARGET, SOLVER_OPTION, METHOD_OPTION("a key of `driftproof methods`, a .toml file, or boris", required=True)
+    *TARGET,
+    SOLVER_OPTION,
+    SYSTEM_OPTION,
+    METHOD_OPTION("a key of `driftproof methods`, a .toml file, or boris", required=True),
 )
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
@@ -82,6 +86,7 @@ def verify_command(options: Namespace) -> str:
       driftproof verify mylib.integrators:step --method velocity_verlet
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
+      driftproof verify mylib.circuits:step --method trapezoid --system mylib.circuits:rlc --solver-tolerance 1e-12
       driftproof verify mylib.ode:solve --solver --method dormand_prince54
 
     A solver agrees if it advances that method and has no fault, of its clock or its tolerances, say.
@@ -97,7 +102,7 @@ def _examined(options: Namespace) -> str:
     if options.solver:
         from driftproof.blackbox.solvers.identify_solver import identify_solver
 
-        cli.refuse(options, WITH_A_STEPPER, "with --solver")
+        cli.refuse(options, (*WITH_A_STEPPER, *["system"] * hasattr(options, "system")), "with --solver")
         report = identify_solver(options.step, options.method, time_limit=options.time_limit)
         return _written(report, report.passed if options.method else report.answered, options)
     from driftproof.blackbox.identify import identify
@@ -114,7 +119,8 @@ def _examined(options: Namespace) -> str:
     domain = Domain(options.largest_step or 2.0, options.largest_state or 1000.0, **smallest)
     allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
-    report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
+    how |= {"examples": examples, "domain": domain, "allowance": allowance, "system": getattr(options, "system", None)}
+    report = verify(options.step, options.method, **how)
     return _written(report, report.passed, options)
 
 

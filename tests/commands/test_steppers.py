@@ -98,3 +98,14 @@ REFUSED = {
 @pytest.mark.parametrize("words", REFUSED, ids=range(len(REFUSED)))
 def test_refusal_is_one_line(words, refusal):
     assert REFUSED[words] in refusal(*words)
+
+
+def test_the_system_that_is_meant_is_handed_on_and_a_whole_solver_has_none(run, monkeypatch):
+    asked = dict[str, object]()
+    report = SimpleNamespace(passed=True, written=lambda form, everything: "it is")
+    monkeypatch.setattr("driftproof.blackbox.verify.verify", lambda *_, **how: asked.update(how) or report)
+    assert run("verify", "mine:step", "--method", "rk4", "--system", "mine:f") == (0, "it is\n", "")
+    assert asked["system"] == "mine:f"
+    status, _, said = run("verify", "mine:solve", "--solver", "--method", "rk4", "--system", "mine:f")
+    assert status == 2
+    assert "--system" in said

@@ -78,22 +78,32 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
 
 def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     """The system that a stepper has built in, if it is not q'' = -q. Raises OwnSystem if no slopes of it are seen."""
-    given, ((*_, (q, v)), _) = subject.convention, ordinary_arguments(subject, domain)
+    given = subject.convention
     if given.kind != MAP or given.extra or CARRIED in given.order:
         return None
+    system = OwnSteps.of(*(found := seen_at(subject, domain)))
+    if system is None and len(found[1][0]) > 2:
+        raise OwnSystem(f"its system of {len(found[1][0])} numbers is built in, and {NO_SLOPES}")
+    return system
+
+
+def seen_at(subject: ForeignStepper, domain: Domain) -> tuple[ForeignStepper, list[tuple[float, ...]]]:
+    """The stepper as it takes all numbers of its built-in system, and states at which that is seen."""
+    (*_, (q, v)), _ = ordinary_arguments(subject, domain)
     if (begun := [*chain(*getattr(subject.function, "begun", ()))])[2:]:  # of an object with further numbers
         of_all, alone = subject.function.of_all, CallingConvention(MAP, (STATE, STEP))  # type: ignore[attr-defined]
         subject = replace(subject, function=of_all, convention=alone, adapter=ARRAYS, log=CallLog())
-        states = [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(3)]
-    else:
-        subject, size = (subject, 2) if begun else _whole(subject)
-        # None of them has a 0, where a friction jumps.
-        first = [(q, v), (v / 2, q / 2), (-q, v / 4)]
-        states = [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
-    system = OwnSteps.of(subject, states)
-    if system is None and len(states[0]) > 2:
-        raise OwnSystem(f"its system of {len(states[0])} numbers is built in, and {NO_SLOPES}")
-    return system
+        return subject, [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(3)]
+    subject, size = (subject, 2) if begun else _whole(subject)
+    # None of them has a 0, where a friction jumps.
+    first = [(q, v), (v / 2, q / 2), (-q, v / 4)]
+    return subject, [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
+
+
+def unit_of(seen: Sequence[tuple[Array, Array]]) -> float:
+    """A power of two near to the own time of a system with these slopes at these states."""
+    rates = [float(np.linalg.norm(g - f) / np.linalg.norm(z - y)) for (y, f), (z, g) in pairwise(seen)]
+    return 2.0 ** -round(log2(max(*rates, _ROUGH)))
 
 
 class OwnMethods(NamedTuple):
@@ -168,7 +178,7 @@ class OwnSteps:
         """How many numbers a state has."""
         return len(self.states[0])
 
-    def _end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
+    def end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
         """The end of a step."""
         return self.subject.step_state(y, h, t) if self.size > 2 else self.subject.step(y[0], y[1], h, t)
 
@@ -179,7 +189,7 @@ class OwnSteps:
     def _measured(self, t: float, y: Sequence[float], h: float, count: int) -> tuple[Array, float]:
         """The slopes, extrapolated from steps of h and its halves, and by how much the last of these changed them."""
         steps = [h / 2**i for i in range(count)]
-        rows = [(np.array(self._end(t, y, step)) - np.array(y)) / step for step in steps]
+        rows = [(np.array(self.end(t, y, step)) - np.array(y)) / step for step in steps]
         for power in range(1, count):
             last = rows[-1]
             rows = [after + (after - before) / (2**power - 1) for before, after in pairwise(rows)]
@@ -197,12 +207,11 @@ class OwnSteps:
                 seen.append((np.array(y), slopes))
         sizes = [float(np.linalg.norm(slopes)) for _, slopes in seen]
         seen = [each for each, size in zip(seen, sizes, strict=True) if size <= _STEEP * sorted(sizes)[len(sizes) // 2]]
-        rates = [float(np.linalg.norm(g - f) / np.linalg.norm(z - y)) for (y, f), (z, g) in pairwise(seen)]
         # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.
         turned = np.array([[slopes[1], -slopes[0], *slopes[2:]] for _, slopes in seen])
-        if not rates or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
+        if not seen[1:] or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
             return None
-        return cls(subject, [tuple(y.tolist()) for y, _ in seen], 2.0 ** -round(log2(max(*rates, _ROUGH))))
+        return cls(subject, [tuple(y.tolist()) for y, _ in seen], unit_of(seen))
 
     @property
     def words(self) -> str:
@@ -251,7 +260,7 @@ class OwnSteps:
         for t, share, y in product(_TIMES, _COMPARED, self.states):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
-                seen, told = tuple(self._end(t, y, h)), self.step(method, t, y, h)
+                seen, told = tuple(self.end(t, y, h)), self.step(method, t, y, h)
                 slopes = self.slopes(t, y), self.slopes(t + h, told)
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)

@@ -146,6 +146,7 @@ _ANGLES, _SPEEDS = ("angle", "theta", "alpha"), ("v0", "speed", "u0")
 _PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
 MASSES, MASS = ("m", "mass", "masses"), 2.0
+INVERSE_MASSES = ("inv_mass", "inverse_mass", "invmass", "minv", "m_inv")
 # Likewise a charge, or a charge over the mass: the fields that are passed are divided by it.
 CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
 
@@ -315,8 +316,8 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             factor = -factor if role == FUNCTION and has_gradient([word]) else factor
         elif kind == MAP and word in UNIT_PARAMETERS:
             extra[name] = 1.0
-        elif kind == FORCE and word in MASSES:
-            extra[name] = MASS
+        elif kind == FORCE and word in (*MASSES, *INVERSE_MASSES):
+            extra[name] = MASS if word in MASSES else 1 / MASS
         elif word in COUNTS and (word != "l" or has_gradient(names)):  # of a sampler; of a pendulum, it is a length
             extra[name], run = 1, True
         else:
@@ -324,7 +325,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     if not set(open_roles) <= {TIME}:
         return None
     called = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True))
-    if kind == FORCE and MASS in extra.values() and not is_acceleration(called[FUNCTION]):
+    if kind == FORCE and {MASS, 1 / MASS} & {*extra.values()} and not is_acceleration(called[FUNCTION]):
         factor *= MASS
     carried = 1.0 if is_acceleration(called.get(CARRIED, "")) else factor
     return CallingConvention(kind, tuple(order), extra, (), factor, carried, run)

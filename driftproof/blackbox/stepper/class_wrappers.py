@@ -71,7 +71,7 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
     >>> run_of_class(Euler)(lambda t, u: -u, 1.0, (0.0, 0.5), 1)
     ((0.0, 0.5), [1.0, 0.5])
     """
-    methods = {each: getattr(cls, each) for each in _methods(cls)}
+    methods = {each: getattr(cls, each) for each in public_methods(cls)}
     run = next((each for each in _RUNS if each in methods), "")
     if not run or not function_argument(cls):
         return None
@@ -117,7 +117,8 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
     return solve
 
 
-def _methods(cls: type) -> list[str]:
+def public_methods(cls: type) -> list[str]:
+    """The names of a class's methods that are for others."""
     return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
 
 
@@ -151,7 +152,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
     asked = {
         x: (calling.required_names(getattr(cls, x)) or [])[1:]
-        for x in _methods(cls)
+        for x in public_methods(cls)
         if calling.role_of(x, (calling.FUNCTION,))
     }
     pushed = [each for each in kept if each.lower() in PUSHED and kind == calling.FORCE]

@@ -7,8 +7,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
-from functools import reduce
-from itertools import product
+from functools import partial, reduce
+from itertools import chain, combinations, product
 from operator import getitem
 from typing import Any
 
@@ -91,12 +91,11 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
         return ""
     if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
         return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
-    by_position = next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION))
-    by_momentum = _named(names, _BY_MOMENTUM)
-    if by_position is not None and by_momentum is not None:
-        gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
+    if gradients := gradients_of(names):
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
+    if line := _two_forces_wrapper(step, names):
+        return line
     roles = {plain_role(each): word_of(each) for each in names if each not in matrices(names)}
     forced = takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
@@ -109,6 +108,54 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
     states = [*given.values()]
     told = given and (kind != MAP or (len(names) - len(given) < _MOST_OPEN and states.count("[q, v]") < 2))
     return line or (_call(step, names, given, kind) if told else "")
+
+
+def gradients_of(names: Sequence[str]) -> dict[str, str]:
+    """The gradients by the positions and by the momenta among the names, each as it is given; nothing without both."""
+    found = (
+        next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION)),
+        _named(names, _BY_MOMENTUM),
+    )
+    texts = "lambda q, *p: -force(q)", "lambda *p: p[-1]"
+    return {} if None in found else {str(each): text for each, text in zip(found, texts, strict=True)}
+
+
+def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str]:
+    """The arguments that a step calls, though no name says so, that which it calls least last; nothing if none is seen.
+
+    >>> called_functions(lambda u, N, L, dt: u + dt * (N(u) + L(u)), ["u", "N", "L", "dt"])
+    ['N', 'L']
+    """
+    given = {**arguments_by_role(names, FIELD), **arguments_by_role(names, FORCE)}
+    told = (STEP, TIME, POSITION, VELOCITY, STATE)
+    if "h" not in given.values() or any(role_of(each, (FUNCTION,)) for each in names):
+        return []
+    others = [each for each in names if not role_of(each, told)]
+    for chosen in chain.from_iterable(combinations(others, size) for size in (1, 2)):
+        calls: dict[str, int] = dict.fromkeys(chosen, 0)
+
+        def asks(name: str, *x: Any, calls: dict[str, int] = calls) -> Any:
+            calls[name] += 1
+            return 0.0 * max(x, key=np.size)
+
+        with suppress(Exception):
+            values = {each: TRIAL_ARGUMENTS.get(given.get(each, ""), 1.0) for each in names}
+            step(**values | {each: partial(asks, each) for each in chosen})
+            if all(calls.values()):
+                return sorted(chosen, key=lambda name: -calls[name])
+    return []
+
+
+def _two_forces_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The wrapper of a step of two forces, of which it is given the one that it calls least, and 0 for the other."""
+    roles, pair = {*map(plain_role, names)}, called_functions(step, names)
+    if not {POSITION, VELOCITY} <= roles or len(pair) != 2:
+        return ""
+    given = arguments_by_role([each for each in names if each not in pair], FORCE)
+    others = {x.name: x.default for x in (parameters_of(step) or {}).values()}
+    counts = [each for each, x in others.items() if type(x) is int and x > 1]  # of inner steps, whose sums round more
+    given, names = {**given, **dict.fromkeys(counts, "1")}, [*names, *counts]
+    return _call(step, names, {**given, pair[0]: "lambda q, *rest: 0.0 * q", pair[1]: "force"}, FORCE)
 
 
 def plain_role(name: str) -> str | None:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy, deepcopy
+from itertools import product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -37,6 +38,7 @@ from driftproof.blackbox.stepper.class_wrappers import (
     attributes_of,
     class_run_wrapper,
     function_argument,
+    public_methods,
     put_wrapper,
 )
 from driftproof.blackbox.stepper.function_wrappers import (
@@ -61,9 +63,13 @@ _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step"
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
 # What stands for the wrapper's arguments where an object is made.
 _AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
+# A right-hand side that is given inputs after its state.
+_OF_STATE = "lambda y, *rest: f(y)"
 _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 # Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
 _TRIED = 12
+# A step so short that a number moves by its rate, to this part.
+_SHORT, _NEAR = 2.0**-20, 2.0**-6
 
 
 def object_wrapper(step: Callable[..., Any]) -> str:
@@ -132,18 +138,24 @@ def _two_positions_wrapper(cls: type, advance: str) -> str:
     Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
     """
     with suppress(Exception):
-        start = [0.0 for _ in required_names(cls) or ()]
-        kept = vars(cls(*start))
+        names, function = required_names(cls) or [], function_argument(cls)
+        kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
         before = next(each for each in kept if is_before(each))
         q = next(each for each in kept if role_of(each, (POSITION,)))
         if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
             return ""
-        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else ("", "")
+        vector = type(kept[q]).__name__ if hasattr(kept[q], "x") and hasattr(kept[q], "y") else ""
+        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else (".x" * bool(vector), "")
+        put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
+        force = f"lambda p, *rest: {put(f'force(p{first})')}"
+        start = ", ".join(force if each == function else "0.0" for each in names)
+        begin = f"made = {name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(BEFORE)}; "
         push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
-        push = push or next(f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED)
-        begin = f"made = {name_of(cls)}({', '.join(map(str, start))}); "
-        begin += f"made.{q}, made.{before} = {whole}q, {whole}{BEFORE}; "
-        later = f"({push}force(made.{q}{first})), made.{advance}(h), 1.0 * made.{q}{first})[2]"
+        push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
+        if not (push or function):
+            return ""
+        pushed = "" if function else f"{push}force(made.{q}{first})), "
+        later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
         return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
     return ""
 
@@ -156,7 +168,11 @@ def further_names(cls: type, advance: str) -> list[str]:
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
     q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
-    q, v = _pushed_pair(made, advance) or (q, v)
+    moved, pair = _moved_numbers(made, advance)
+    q, v = _pushed_pair(made, advance) or (q, v) if q and v else pair or (q, v)
+    built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
+    if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
+        return _numbers_wrapper(cls, made, advance, moved)
     if not (q and v) and (not state or takes_force([function_argument(cls)])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
@@ -173,6 +189,38 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     elif "0.0" in taken:
         act = f"lambda made, h: made.{advance}({', '.join(taken)})"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
+
+
+def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] | None]:
+    """The numbers and arrays of an object, but its time, that a short step moves; and the first that another one moves.
+
+    That other one is its velocity.
+    """
+    with suppress(Exception):
+        moved = deepcopy(made)
+        known = {each: x for each, x in attributes_of(moved).items() if isinstance(x, float | np.ndarray)}
+        for i, (each, x) in enumerate(known.items()):
+            setattr(moved, each, _SHORT if plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
+        before = {each: copy(getattr(moved, each)) for each in known}
+        getattr(moved, advance)(*[_SHORT if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
+        rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
+        rates = {each: rate for each, rate in rates.items() if np.any(rate)}
+        others = product(rates.items(), before.items())
+        pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
+        near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
+        return [*rates], next(iter(near or pairs * (len(pairs) == 1)), None)  # the only one, though it moves it wrongly
+    return [], None
+
+
+def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
+    """The step of an object, made anew, whose system is built in, of the numbers that its step moves."""
+    taken, size = _taken_by(made, advance), attribute_of(made, STEP)
+    call = ", ".join("h" if plain_role(each) == STEP else "0.0" for each in taken)
+    put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
+    places = ", ".join(f"made.{each}" for each in moved)
+    makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
+    puts = f"made = {makes}; {put}[{places}] = y; made.{advance}({call})"
+    return f"def wrapped(y, h): import numpy; {puts}; return numpy.array([{places}])"
 
 
 def _taken_by(made: Any, advance: str) -> list[str]:
@@ -194,7 +242,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
     ways = (each for base in cls.__mro__ for each in (*_ADVANCES, "__call__") if each in vars(base))
-    own = own or next(ways, None)  # that of the class itself before that of a base
+    own = own or next(ways, None) or _only_step(cls)  # that of the class itself before that of a base
     taken = names_with_step(getattr(cls, own)) if own else None
     if not taken:
         return ""
@@ -207,9 +255,13 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     kind = kind_by_names((*names, *taken))
     kind = FORCE if takes_force(names) and POSITION in map(plain_role, taken) else kind
     made = _Made(kind, cls, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    inputs = [each for each in taken[1:] if each not in made.call]
+    if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
+        takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
+        made = made._replace(arguments=takes, call={each: made.call.get(each, "None") for each in taken[1:]})
     if kind == FORCE and {*made.call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
         made = made._replace(call={x: "[q, v]" if text == "q" else text for x, text in made.call.items()})
-    given, called = {*made.arguments.values()}, {*made.call.values()}
+    given, called = {"f" if x == _OF_STATE else x for x in made.arguments.values()}, {*made.call.values()}
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
         return ""
     if made.state <= called or "[q, v]" in called:
@@ -225,6 +277,13 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
         size = attribute_of(kept, STEP) if "h" not in given | called else ""
         return made._replace(kept=places, time=time, size=size).line() if all(places) and made.state <= given else ""
     return ""
+
+
+def _only_step(cls: type) -> str:
+    """The only method of a class that takes a state and a step size; "" if there are none, or several."""
+    roles = {each: {*map(plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
+    found = [each for each, held in roles.items() if STEP in held and held & {POSITION, STATE}]
+    return found[0] if len(found) == 1 else ""
 
 
 def clock_wrapper(step: Callable[..., Any]) -> str:
@@ -319,8 +378,7 @@ def world_wrapper(cls: type) -> str:
 
 def advance_of(cls: type) -> str:
     """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
-    public = [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
-    alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    alone = [each for each in public_methods(cls) if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
     alone = [each for each in alone if any(word in each for word in _ADVANCES)] or alone
     return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
 
@@ -395,8 +453,9 @@ class _Made(NamedTuple):
         return made
 
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
-        known = {"t": t, "h": 0.25, "[q, v]": np.array(state), "1": 1, "len(y)": np.size(state[0])}
+        known: dict[str, Any] = {"t": t, "h": 0.25, "[q, v]": np.array(state), "1": 1, "len(y)": np.size(state[0])}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
+        known[_OF_STATE] = lambda y, *rest: known["f"](y)
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
         known |= {name: SimpleNamespace(**{name.split('"')[3]: known["f"]}) for name in names.values() if '"' in name}
         return [known.get(name) for name in names.values()]

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 from driftproof.blackbox.stepper.calling_conventions import stand_in
 from driftproof.blackbox.stepper.records import goes_on
@@ -289,6 +290,8 @@ class _Accessor:
 
         def put(body: Object, value: Any) -> None:
             holder = attrgetter(owner)(body) if owner else body
+            if name.isupper() and not hasattr(holder, name):  # a word that was to be replaced
+                raise BadInput(f"{type(holder).__name__} has no attribute {name}: write the name of its own")
             setattr(holder, name, _shaped(value, getattr(holder, name, None)))
 
         return cls(attrgetter(place), put, size)

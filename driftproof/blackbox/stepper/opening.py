@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -12,7 +13,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, OwnClock, StaleSlope, WrongShape
+from driftproof.blackbox.findings import (
+    BadInput,
+    Exchanged,
+    Increment,
+    Misbehaviour,
+    NotANumber,
+    OwnClock,
+    StaleSlope,
+    WrongShape,
+)
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
@@ -29,12 +39,14 @@ from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper, owner_of
+from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import Numbers, plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import (
+    OWN_STEP,
     exchange_wrapper,
     increment_wrapper,
     negation_wrapper,
@@ -58,6 +70,8 @@ _LONGER = 8
 _AS_CARRIED = 2.0**-8
 # That allowed to the slope at the end: what a solver in use leaves there, or some roundings of a narrow format.
 _AT_END, _ROUNDINGS = 2.0**-20, 16
+# The arguments of a wrapper that is a function, and names in it.
+_HEAD, _WORD = re.compile(r"def wrapped\((.*?)\): "), re.compile(r"[A-Za-z_]\w*")
 # The format for each ending of the name of an answer's type; of several, the widest is that of the step.
 _FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
@@ -87,23 +101,28 @@ def opened(
                 raise
             except Misbehaviour as failure:
                 failures.append(failure)
+            except BadInput as refused:  # of a form, which another one may fit
+                failures.append(WrongShape(str(refused)))
         return None
 
     def as_plain() -> ForeignStepper | None:
         forms = chain(plain_forms(step), record_forms(step)) if calls is None else ()
         return first_of(partial(opened, form, None, array, before, after) for form in forms)
 
+    def as_named() -> ForeignStepper | None:
+        return first_of(partial(_read_by_values, form, calls, array, before, after) for form in named_forms(step))
+
     try:
         conventions = calling.conventions_of(step, calls)
     except ValueError as error:
-        if found := as_plain():
+        if found := as_plain() or as_named():
             return found
         if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
             raise stale[0] from None
-        line = wrapper_line(given)
+        line = _tried_out(wrapper_line(given), given)
         if calls is not None:
-            raise BadInput(f"{error}{line}") from None
-        raise BadInput(f"{_unfitting(given)}{_tried_out(line, given) or template(given)}") from None
+            raise BadInput(f"{error}{line * line.startswith(':')}") from None
+        raise BadInput(f"{_unfitting(given)}{line or template(given)}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
@@ -122,7 +141,8 @@ def opened(
             found.convention.run if found.single else {*found.convention.extra} & {*calling.MASSES} and drifts(found)
         )
         return (as_plain() if alone else None) or found  # of n numbers, or of bodies that attract each other
-    lacking = found or isinstance(failures[0].__cause__, ValueError | IndexError)  # of three numbers, or of a grid
+    # Of three numbers, or of a grid.
+    lacking = found or isinstance(failures[0], WrongShape) or isinstance(failures[0].__cause__, ValueError | IndexError)
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(_tried, made(*each), _one_step) for each in product(states, SYSTEMS))
     if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
@@ -132,11 +152,31 @@ def opened(
     line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
     if any(failure.kind == "positions_alone" for failure in failures):
         line = positions_wrapper(given)
+    if inspect.isclass(step) and isinstance(failures[0], NotANumber):  # its call makes an object
+        line = line or template(given)
     if line:
         raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
-    raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
+    why = next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
+    asked = why.__cause__
+    if isinstance(asked, BadInput):
+        raise asked
+    if isinstance(asked, AttributeError) and isinstance(asked.obj, np.ndarray | list | tuple | float):
+        theirs = f"asks what it is given for .{asked.name}, and what else that holds is not known; write"
+        raise BadInput(f"{calling.signature_text(given)} {theirs}{OWN_STEP} that makes it") from asked
+    raise why
+
+
+def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
+    """The subject of a form whose names are a guess, which a short step has to leave where it is."""
+    found = opened(form, *options)
+    for trial in _TRIALS.get(found.convention.kind, (_one_step,)):
+        with suppress(Misbehaviour):
+            end = trial(found, _TINY**2)
+            if np.allclose(end, TRIAL_STATE[: len(end)], rtol=0, atol=_NEAR):
+                return found
+    raise WrongShape("a short step does not leave its state where it is")
 
 
 def _of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
@@ -176,9 +216,14 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
 
     One that leaves something to write cannot be tried. What is wrong with the code itself is told when it is pasted.
     """
-    text = line.removeprefix(": ").partition("  # ")[0]
+    text, _, said = line.removeprefix(": ").partition("  # ")
     if "wrapped" not in text:
         return line
+    if "built in" in said:
+        return f"{OWN_STEP}: {said}"
+    head = _HEAD.match(text)
+    if head and {"y", "q", "v"} & {*head[1].split(", ")} - {*_WORD.findall(text, head.end())}:
+        return f"{OWN_STEP} that calls it with its state"
     try:
         exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
         kind = calling.conventions_of(known["wrapped"])[0].kind
@@ -187,9 +232,11 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         steps = _LONGER if subject.convention.run else 1
         subject = replace(subject, convention=subject.convention.of_steps(steps))
         if kind == calling.FIELD:
-            end = subject.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 1.0, state, _TINY)
+            ends = [subject.step_field(rate, 1.0, state, _TINY) for rate in (lambda t, y: [1.0 for _ in y], zeros)]
         elif kind == calling.FORCE:
-            end = [*subject.step_with(lambda x: 1.0 + 0.0 * x, *TRIAL_STATE, _TINY)[1:]]
+            ends = [
+                [*subject.step_with(push, *TRIAL_STATE, _TINY)] for push in (lambda q: 1.0 + 0.0 * q, lambda q: 0.0 * q)
+            ]
         else:
             return line
     except (StaleSlope, OwnClock, Exchanged, Increment):
@@ -197,13 +244,16 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     except Exception as failure:
         if isinstance(failure, NameError) or "NameError" in str(failure):
             return line
-        seen = " ".join(str(failure).split())
+        seen = " ".join(str((isinstance(failure, BadInput) and failure.__cause__) or failure).split())
     else:
+        end = ends[0][-len(state) :]
         moved = [abs(x - y) / _TINY / steps for x, y in zip(end, state, strict=True)]
-        if all(1 / _WITHIN < x < _WITHIN for x in moved):
+        # A step that stays where nothing moves, and is moved, is called as it should be, whatever its faults.
+        called = np.allclose(ends[1][-len(state) :], state, rtol=0, atol=_NEAR) and ends[0] != ends[1]
+        if max(moved) < _WITHIN and (called or min(moved) > 1 / _WITHIN):
             return line
         seen = f"a step of {_TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
-    return f" a step(f, t, y, h) of your own that calls it; tried: {text}: {seen}"
+    return f"{OWN_STEP} that calls it; tried: {text}: {seen}"
 
 
 def _scope_of(step: Callable[..., Any]) -> dict[str, Any]:

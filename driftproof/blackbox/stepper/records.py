@@ -78,7 +78,8 @@ class _Asked(dict[str, float]):
 class Record:
     """A record with a position and a velocity: its class, the names of both, and the values of its other fields.
 
-    `given` are those of them that are parameters of the oscillator.
+    `given` are those of them that are parameters of the oscillator; `slopes` are those that may hold the force
+    at its position, each with whether it has no default.
     """
 
     name: str
@@ -87,8 +88,9 @@ class Record:
     velocity: str
     known: Mapping[str, float]
     given: Mapping[str, float]
+    slopes: Mapping[str, bool] = dataclasses.field(default_factory=dict)
 
-    def filled(self, q: Foreign, v: Foreign, **other: float) -> Foreign:
+    def filled(self, q: Foreign, v: Foreign, **other: Foreign) -> Foreign:
         """A new record at this position, with this velocity."""
         return self.make(**{**self.known, **other, self.position: q, self.velocity: v})
 
@@ -109,9 +111,11 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
         places = list(names)
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
-    if None in places or set(needed) - {*known, *places}:
+    left = [each for each in names if each not in places]
+    slopes = {x: x in needed for x in left if calling.has_gradient([x]) or calling.role_of(x, (calling.CARRIED,))}
+    if None in places or set(needed) - {*known, *places, *slopes}:
         return None
-    return Record(name, make, str(places[0]), str(places[1]), known, given)
+    return Record(name, make, str(places[0]), str(places[1]), known, given, slopes)
 
 
 def adapter_of(record: Record) -> ArrayAdapter:
@@ -240,6 +244,7 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
             yield lambda q, v, h: free(None, q, v, 0.0, h)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
+    sign = -1.0 if calling.has_gradient([pushed]) else 1.0
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         if (record := record_of(step, partial(called, stub))) is not None:
             masses = {
@@ -247,13 +252,24 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                 for name in record.given
                 if calling.word_of(name) in calling.MASSES and not calling.is_acceleration(pushed)
             }
-            factor = (-1.0 if calling.has_gradient([pushed]) else 1.0) * (calling.MASS if masses else 1.0)
-            form = _form(called, record, slopes, masses, factor)
+            form = _form(called, record, slopes, masses, sign * (calling.MASS if masses else 1.0))
             yield form if calling.TIME in roles else _untimed(form)
+    seen: list[Foreign] = []
+
+    def asks(*asked: Foreign) -> float:
+        seen.extend(asked)
+        return 0.0
+
+    with suppress(Exception):
+        called(asks, (1.0, 0.5))
+    if seen and not any(map(np.ndim, seen)):  # a pair, which the step takes apart
+        yield _untimed(_form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, {}, sign))
 
 
 def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
     """The form of a step that takes no time."""
+    if "t" not in inspect.signature(form).parameters:
+        return form
     return lambda force, q, v, h: form(force, q, v, 0.0, h)
 
 
@@ -262,19 +278,42 @@ def _form(
 ) -> Callable[..., Any]:
     """The step of q'' = force(q, v, t) that a step of records makes, which calls a function `factor` times the force.
 
-    Or, with `slopes`, a function that answers with a record of the slopes of position and velocity.
+    Or, with `slopes`, a function that answers with a record of the slopes of position and velocity. If the step reads a
+    slope that the record hands on, it is the step(force, q, v, acc, h) that returns that at its end as well.
     """
 
-    def moved(force: Any, q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
+    def end(force: Any, q: Foreign, v: Foreign, t: float, h: float, **handed: Foreign) -> Foreign:
         def asked(*arguments: Foreign) -> Foreign:
             pairs = [pair for pair in map(record.pair, arguments) if pair is not None]
             pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))
             return record.filled(pairs[0][1], pushed) if slopes else factor * pushed
 
         clocks = {name: t for name in record.known if calling.role_of(name, (calling.TIME,))}
-        state = record.filled(copy(q), copy(v), **masses, **clocks)
+        unread = {name: 0.0 * q for name, needed in record.slopes.items() if needed}
+        state = record.filled(copy(q), copy(v), **{**masses, **clocks, **unread, **handed})
         found = step(asked, state, t, h)
-        pair = record.pair(state if found is None else found)
-        return tuple(found) if pair is None else pair
+        return state if found is None else found
 
+    def moved(force: Any, q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
+        found = end(force, q, v, t, h)
+        return record.pair(found) or tuple(found)
+
+    for name, needed in record.slopes.items():
+        with suppress(Exception):
+            ends = [end(np.negative, 1.0, 0.5, 0.0, 0.25, **{name: x}) for x in (1.0, 2.0)]
+            if record.pair(ends[0]) == record.pair(ends[1]) or not (needed or parts_of(ends[0])[name]):
+                continue  # it is not read, or is a sum of forces that each step empties
+            by = factor if calling.has_gradient([name]) == (factor < 0) else -factor
+            by /= abs(by) if calling.is_acceleration(name) or calling.has_gradient([name]) else 1.0
+            return _handing_on(end, record, name, by)
     return moved
+
+
+def _handing_on(end: Callable[..., Foreign], record: Record, name: str, by: float) -> Callable[..., Any]:
+    """The step that is handed the acceleration, of which the record's slope is a multiple, and hands it on."""
+
+    def carried(force: Any, q: Foreign, v: Foreign, acc: Foreign, h: float) -> tuple[Foreign, ...]:
+        found = end(force, q, v, 0.0, h, **{name: by * acc})
+        return (*(record.pair(found) or tuple(found)), parts_of(found)[name] / by)
+
+    return carried

@@ -70,7 +70,7 @@ def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
         for name in calling.names_with_step(step) or ()
     }
     named = {role: name for name, role in roles.items()}
-    if not {calling.FUNCTION, calling.JACOBIAN} <= {*named}:
+    if not {calling.FUNCTION, calling.JACOBIAN, calling.STATE} <= {*named}:
         return step
     left, asked = [name for name, role in roles.items() if role != calling.JACOBIAN], [*roles.values()]
     last = calling.TIME in asked and asked.index(calling.TIME) < asked.index(calling.STATE)

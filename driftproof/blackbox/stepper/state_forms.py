@@ -19,7 +19,8 @@ from driftproof.blackbox.stepper.records import adapter_of, record_of
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
-        if (record := record_of(step, lambda state: step(state, 0.25))) is not None:
+        record = record_of(step, lambda state: step(state, 0.25))
+        if record is not None and not any(record.slopes.values()):
             yield adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:

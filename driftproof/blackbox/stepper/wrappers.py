@@ -26,6 +26,8 @@ from driftproof.blackbox.stepper.made_wrappers import (
     world_wrapper,
 )
 
+# What to write where no wrapper is known, and where a right-hand side is built in.
+OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"
 _WITHOUT = " a step that takes its right-hand side, which no argument is: def "
 
 
@@ -64,8 +66,7 @@ def template(step: Callable[..., Any]) -> str:
         )
         taken = ", ".join(filter(None, ("f", state, calling.size_name(names))))
         return f"{_WITHOUT}{name}({taken}): ..."
-    arguments = ", ".join(map(str.upper, names or ["..."]))
-    return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
+    return f"{OWN_STEP} that calls it with its state"
 
 
 def uncalled(found: object) -> str:

@@ -59,7 +59,7 @@ def defined(code: str) -> Callable[..., Any]:
     return found
 
 
-STYLES = exactly(51, styles())
+STYLES = exactly(53, styles())
 
 
 def keys_of(step: Callable[..., Any]) -> tuple[str, ...]:

@@ -25,7 +25,9 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
 
 def test_of_a_step_whose_h_is_built_in_the_wrapper_says_what_to_do():
     names = namespace("def made(h):\n    return lambda q, v: (q + h * v, v - h * q)\n")
-    with pytest.raises(ValueError, match=r"# its h is built in: let it be an argument, or make the step anew"):
+    with pytest.raises(
+        ValueError, match=r"of your own: its h is built in: let it be an argument, or make the step anew"
+    ):
         opened(names["made"](0.25))
 
 
@@ -98,10 +100,6 @@ def euler_cromer(x0, v0, omega, dt, T):
         v[n + 1] = v[n] - dt * omega**2 * x[n]
         x[n + 1] = x[n] + dt * v[n + 1]
     return np.linspace(0, T, len(x)), x, v
-
-def separable(q, p, dVdq, dTdp, dt):
-    p = p - dt * dVdq(q)
-    return q + dt * dTdp(p), p
 
 def of_interval(func, y, t0, t1, args):
     return y + (t1 - t0) * func(t0, y, args)
@@ -224,7 +222,6 @@ PASTED = {
     "by_name": ("f, t, y, h", "return by_name(lambda s, y: f(t + s, y), y, h, h)['y'][-1]", FORWARD),
     "in_pairs": ("f, t, y, h", "return in_pairs(f, t, y, t + h, 1)[-1][1]", FORWARD),
     "euler_cromer": ("q, v, h", "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]", EULER),
-    "separable": (FORCED, "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)", EULER),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),
     "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
@@ -263,6 +260,29 @@ def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_wor
     subject = opened(names["wrapped"])
     by_runs = key in ("stormer2", "adams_bashforth2", "adams_bashforth3")
     assert key == read_family(subject).key if by_runs else key in keys_of(names["wrapped"])
+
+
+RESPA = """
+def respa(x, v, fast, slow, mass, dt, n_inner=4):
+    before = slow(x)
+    v = v + dt / 2 * before / mass
+    for _ in range(n_inner):
+        v = v + dt / n_inner / 2 * fast(x) / mass
+        x = x + dt / n_inner * v
+        v = v + dt / n_inner / 2 * fast(x) / mass
+    return x, v + dt / 2 * slow(x) / mass
+"""
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_a_step_of_two_forces_is_given_the_one_that_it_calls_least_and_makes_one_inner_step(stale):
+    names = namespace(RESPA.replace("dt / 2 * slow(x)", "dt / 2 * before") if stale else RESPA)
+    with pytest.raises(BadInput) as caught:
+        opened(names["respa"])
+    line = str(caught.value).partition("write: ")[2]
+    assert line.endswith("return respa(q, v, lambda q, *rest: 0.0 * q, force, 1.0, h, 1)")
+    exec(line, names)
+    assert verify(names["wrapped"], "velocity_verlet", examples=50, isolate=False).passed is (not stale)
 
 
 def test_what_a_coupled_step_forgets_shows_in_the_wrapper_that_it_is_shown():

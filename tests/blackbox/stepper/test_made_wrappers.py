@@ -469,14 +469,78 @@ class Bead:
 """
 
 
-@pytest.mark.parametrize("name", ["Point", "Bead"])
+POINTS += """
+class Vector:
+    def __init__(self, x, y):
+        self.x, self.y = x, y
+    def plus(self, other, k):
+        return Vector(self.x + k * other.x, self.y + k * other.y)
+
+class Rope:
+    def __init__(self, x, y, get_accel):
+        self.pos, self.prev, self.get_accel = Vector(x, y), Vector(x, y), get_accel
+    def integrate(self, dt):
+        doubled = self.pos.plus(self.pos, 1).plus(self.prev, -1)
+        self.prev, self.pos = self.pos, doubled.plus(self.get_accel(self.pos), 1 * dt * dt)
+"""
+
+
+@pytest.mark.parametrize("name", ["Point", "Bead", "Rope"])
 @pytest.mark.parametrize("right", [True, False])
 def test_an_object_of_two_positions_is_shown_a_run_that_sets_both(name, right):
-    names = namespace(POINTS if right else POINTS.replace("self.acc * dt", "self.acc / 2 * dt"))
+    wrong = POINTS.replace("self.acc * dt", "self.acc / 2 * dt").replace("1 * dt * dt", "dt * dt / 2")
+    names = namespace(POINTS if right else wrong)
     with pytest.raises(BadInput) as caught:
         opened(names[name])
     exec(str(caught.value).partition("write: ")[2], names)
     assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right
+
+
+ROBOTS = """
+class Drive:
+    def __init__(self, x=0.0, y=0.0, theta=0.0, v=1.0, omega=0.3):
+        self.x, self.y, self.theta, self.v, self.omega = x, y, theta, v, omega
+    def integrate(self, dt):
+        middle = self.theta + 1/2 * dt * self.omega
+        self.x, self.y = self.x + dt * self.v * np.cos(middle), self.y + dt * self.v * np.sin(middle)
+        self.theta += dt * self.omega
+
+class Joint:
+    def __init__(self, accel):
+        self.accel, self.q, self.qd, self.time = accel, np.zeros(3), np.zeros(3), 0.0
+    def integrate(self, dt):
+        self.qd = self.qd + dt * self.accel(self.q, self.qd, self.time)
+        self.q = self.q + 1/1 * dt * self.qd
+        self.time += dt
+
+class Controlled:
+    def __init__(self, dynamics):
+        self.dynamics = dynamics
+    def __call__(self, x, u, dt):
+        return x + 1/1 * dt * self.dynamics(x + dt / 2 * self.dynamics(x, u), u)
+
+class Attempting:
+    def __init__(self, f):
+        self.f = f
+    def attempt(self, t, y, h):
+        k = self.f(t, y)
+        return y + h / 2 * (k + self.f(t + h, y + 1/1 * h * k))
+"""
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("name", "key"), [
+    ("Drive", "midpoint2"), ("Joint", "symplectic_euler"), ("Controlled", "midpoint2"), ("Attempting", "heun2"),
+])  # fmt: skip
+@pytest.mark.parametrize("right", [True, False])
+def test_attributes_that_a_step_moves_and_the_only_method_of_a_state_are_found_whatever_their_names(name, key, right):
+    names = namespace(ROBOTS if right else ROBOTS.replace("1/2", "1/3").replace("1/1", "2/3"))
+    with pytest.raises(BadInput) as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    found = verify(names["wrapped"], key, examples=20, isolate=False)
+    assert found.passed is (None if name == "Drive" else True) if right else found.passed is False, found.text()
+    assert not right or f"is {key}" in found.verdict
 
 
 PLANAR = """

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.checks.determinism import repeats
+from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
@@ -239,3 +240,9 @@ def test_a_maker_of_other_arguments_is_refused_in_one_line():
 def test_an_attribute_that_is_not_there_is_a_finding_in_its_own_words():
     report = identify(stepper_of(Body, position="where", velocity="v", advance="leap"))
     assert "has no attribute 'leap'" in report.verdict
+
+
+def test_a_word_that_was_to_be_replaced_is_not_made_an_attribute():
+    step = stepper_of(lambda: SimpleNamespace(x=1.0, v=0.5, move=lambda h: None), position="POSITION", advance="move")
+    with pytest.raises(BadInput, match="has no attribute POSITION: write the name of its own"):
+        opened(step)

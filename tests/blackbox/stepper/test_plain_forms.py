@@ -285,7 +285,7 @@ def test_bodies_that_attract_each_other_are_three_in_space():
 def test_what_cannot_be_opened_so_is_refused_with_what_to_write_for_each_word():
     assert [*plain_forms(lambda q, v, h: (q, v))] == []
     assert [*plain_forms(unknown)] == [*plain_forms(lambda v, m, h: {})] == []
-    with pytest.raises(ValueError, match=r"\(BODIES, h\)  # what moves its bodies is built in: let their force be"):
+    with pytest.raises(ValueError, match=r"of your own: what moves its bodies is built in: let their force be"):
         opened(lambda bodies, dt: [body.charge for body in bodies])
     with pytest.raises(
         ValueError, match=r"a step that takes its right-hand side, which no argument is: def unknown\(f, y, h\)"

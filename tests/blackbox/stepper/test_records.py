@@ -133,7 +133,68 @@ def without_a_force(sim, dt):
     sim["t"] += dt
 
 
+@dataclass(frozen=True)
+class WithSlope:
+    position: float
+    momentum: float
+    grad: float
+
+
+def with_its_gradient(state: WithSlope, grad_U, eps, kept=False):
+    p = state.momentum - eps / 2 * state.grad
+    q = state.position + eps * p
+    grad = grad_U(q)
+    return WithSlope(q, p - eps / 2 * grad, state.grad if kept else grad)
+
+
+def with_an_old_gradient(state: WithSlope, grad_U, eps):
+    return with_its_gradient(state, grad_U, eps, kept=True)
+
+
+@dataclass
+class Accelerated:
+    x: float
+    v: float
+    acc: float = 0.0
+
+
+def with_its_acceleration(body: Accelerated, force, dt):
+    """A record whose acceleration has a default, which no step should begin with."""
+    v = body.v + dt / 2 * body.acc
+    x = body.x + dt * v
+    acc = force(x)
+    return Accelerated(x, v + dt / 2 * acc, acc)
+
+
+def with_a_slope_for_show(body: Accelerated, force, dt):
+    """What is not read may be old."""
+    acc = force(body.x)
+    v = body.v + dt * acc
+    return Accelerated(body.x + dt * v, v, acc)
+
+
+def with_a_sum_of_forces(body: Accelerated, force, dt):
+    body.acc += force(body.x)
+    body.v += dt * body.acc
+    body.x, body.acc = body.x + dt * body.v, 0.0
+
+
+def of_a_pair(*, h, state, force):
+    q, v = state
+    v = v + h * force(q)
+    return q + h * v, v
+
+
+def of_a_pair_wrongly(*, h, state, force):
+    q, v = state
+    return q + h * v, v + h / 2 * force(q)
+
+
 HELD = [
+    (with_its_gradient, "velocity_verlet", ""), (with_its_acceleration, "velocity_verlet", ""),
+    (with_an_old_gradient, "velocity_verlet", "it passes on -1 as the slope at its end, not -1.15625"),
+    (with_a_slope_for_show, "symplectic_euler", ""), (with_a_sum_of_forces, "symplectic_euler", ""),
+    (of_a_pair, "symplectic_euler", ""), (of_a_pair_wrongly, "symplectic_euler", "1/2 instead of 1"),
     (of_a_named_dict, "symplectic_euler", ""), (without_a_force, "symplectic_euler", ""),
     (integrate, "rk4", ""), (integrate_wrongly, "rk4", "b[3]: 1/3 instead of 1/6"),
     (verlet_of_a_dict, "velocity_verlet", ""), (euler_of_a_dict, "forward_euler", ""),
@@ -158,6 +219,11 @@ def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_a
     assert [*record_forms(lambda state, force, mesh, dt: state)] == []
     assert [*record_forms(lambda state, force: state)] == [*record_forms(lambda state, force, h: state)] == []
     assert [*record_forms(lambda sim, mesh, h: sim)] == [*record_forms(lambda sim, h: sim)] == []
+
+
+def test_a_step_whose_state_cannot_be_made_is_no_wrong_step_but_asks_for_another_one():
+    with pytest.raises(ValueError, match=r"asks what it is given for \.swirl, .*; write a step\(f, t, y, h\), or"):
+        opened(lambda state, force, dt: state.swirl)
 
 
 def pair_of_heun(f, t, y, h):
@@ -200,3 +266,19 @@ def test_a_run_may_return_its_positions_and_velocities_by_name(names, rows, stal
         return {name: found[name] if rows else found[name][-1] for name in names.split()}
 
     assert verify(run, "velocity_verlet", examples=20, isolate=False).passed is (not stale)
+
+
+class Held:
+    """Made from an object whose attributes are its own: another form of a call must not be blamed for what it lacks."""
+
+    def __init__(self, atoms, force_fn, timestep):
+        self.atoms, self.force_fn, self.dt = atoms, force_fn, timestep
+        atoms.forces = force_fn(atoms.positions)
+
+    def step(self):
+        self.atoms.positions += self.dt * self.atoms.velocities
+
+
+def test_a_form_that_cannot_be_given_what_it_asks_for_leaves_the_wrapper_to_be_shown():
+    with pytest.raises(ValueError, match=r"Held\(ATOMS, force, 0\.1\), position="):
+        opened(Held)

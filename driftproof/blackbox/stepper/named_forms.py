@@ -1,0 +1,98 @@
+"""Steps some of whose names say nothing: what such an argument is shows by what a step calls, and what it returns."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper import calling_conventions as calling
+from driftproof.blackbox.stepper.function_wrappers import (
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    called_functions,
+    gradients_of,
+    is_before,
+    plain_role,
+)
+
+# A decay so fast that a long step of it grows, unless it is solved for.
+_STIFF, _GROWN = 2.0**10, 2.0
+# The names under which the one argument that says nothing is tried: the state, the velocity, the position.
+_TRIED = ("y", "v", "q")
+
+
+def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Yield the step with usual names that it may be: of two gradients, of two right-hand sides, of one unusual name.
+
+    >>> def euler(rhs, t, c, dt):
+    ...     return c + dt * rhs(t, c)
+    >>> [*inspect.signature(next(named_forms(euler))).parameters]
+    ['rhs', 't', 'y', 'dt']
+    """
+    names = [] if inspect.isclass(step) else calling.names_with_step(step) or []
+    if gradients := gradients_of(names):
+        given = arguments_by_role([each for each in names if each not in gradients], calling.FORCE)
+        if {"q", "v", "h"} <= {*given.values()} and len(given) + len(gradients) == len(names):
+            yield _of_gradients(step, gradients, given)
+    unknown = [each for each in names if not _is_known(each)]
+    pairs = called_functions(step, names)
+    if len(pairs) == 2 and (parts := _explicit_first(step, names, pairs)):
+        yield renamed(step, names, dict(zip(parts, ("f_explicit", "f_implicit"), strict=True)))
+    if calling.size_name(names) and any(plain_role(each) == calling.FUNCTION for each in names):
+        twice = [each for each in names if plain_role(each) == calling.VELOCITY] if not unknown else []
+        for name, usual in ((x, each) for x in (unknown if len(unknown) == 1 else twice[:1]) for each in _TRIED):
+            if usual not in names:
+                yield renamed(step, names, {name: usual})
+
+
+def renamed(step: Callable[..., Any], names: Sequence[str], usual: Mapping[str, str]) -> Callable[..., Any]:
+    """The step whose arguments have these usual names in place of their own."""
+
+    def form(*arguments: Any, **named: Any) -> Any:
+        given = inspect.signature(form).bind(*arguments, **named).arguments
+        return step(**{name: given[usual.get(name, name)] for name in names})
+
+    calling.stand_in(form, step, [usual.get(each, each) for each in names])
+    return form
+
+
+def _is_known(name: str) -> bool:
+    """True if the name says what an argument is, or that it is a number of its own or of an earlier time."""
+    word = calling.word_of(name)
+    masses = (*calling.UNIT_PARAMETERS, *calling.MASSES, *calling.INVERSE_MASSES)
+    known = word in (*masses, *calling.COUNTS, "neq", "nvar", "dim") or word.endswith("out")
+    return known or is_before(name) or calling.role_of(name, calling.ROLES) is not None
+
+
+def _of_gradients(step: Callable[..., Any], gradients: Iterable[str], given: Mapping[str, str]) -> Any:
+    """The step(force, q, v, h) of a step of H = p²/2 + V(q) that takes the gradients by both."""
+    by_position, by_momentum = gradients
+
+    def form(force: Any, q: Any, v: Any, h: float) -> Any:
+        known = {"q": q, "v": v, "h": h, "1.0": 1.0, "0.0": 0.0, "()": ()}
+        functions = {by_position: lambda x, *p: -force(x), by_momentum: lambda *p: p[-1]}
+        return step(**functions, **{name: known[text] for name, text in given.items()})
+
+    calling.stand_in(form, step, ["force", "q", "v", "h"])
+    return form
+
+
+def _explicit_first(step: Callable[..., Any], names: Sequence[str], pair: Sequence[str]) -> Sequence[str]:
+    """The two right-hand sides of a step of a state, that which it solves for last; nothing if that is not seen."""
+    given = arguments_by_role([each for each in names if each not in pair], calling.FIELD)
+    solved = list[Sequence[str]]()
+    for parts in permutations(pair):
+        with suppress(Exception):
+            slopes = dict(zip(parts, (lambda *x: 0.0 * max(x, key=np.size), _decay), strict=True))
+            end = step(**slopes, **{each: TRIAL_ARGUMENTS[text] for each, text in given.items()})
+            solved += [parts] * bool(np.abs(end).max() < _GROWN)
+    return solved[0] if len(solved) == 1 and {"y", "h"} <= {*given.values()} else ()
+
+
+def _decay(*x: Any) -> Any:
+    return -_STIFF * max(x, key=np.size)

@@ -1,0 +1,95 @@
+"""Steps with a system built in are held to the system that they should have."""
+
+import numpy as np
+import pytest
+
+from driftproof import Allowance, assert_verified, stepper_of, verify
+
+EXACT = Allowance(solver_tolerance=1e-12)
+
+
+def companion(i, u, dt, R=0.5, L=0.1, C=0.2, source=1.0, share=2):
+    """A coil, a resistance and a capacitor in series, the trapezoidal rule solved by hand."""
+    g, r = dt / (share * L), dt / (2 * C)
+    past, held = i + g * (source - R * i - u), u + r * i
+    i = (past + g * (source - held)) / (1 + g * (R + r))
+    return i, held + r * i
+
+
+def with_a_whole_step(i, u, dt):
+    return companion(i, u, dt, share=1)
+
+
+def circuit(t, y):
+    i, u = y
+    return (1.0 - 0.5 * i - u) / 0.1, i / 0.2
+
+
+def test_a_circuit_with_a_wrong_constant_is_another_circuit_only_if_it_is_said_which_is_meant():
+    assert_verified(companion, "trapezoid", system=circuit, allowance=EXACT)
+    with pytest.raises(AssertionError, match="is not trapezoid: its system is not the one given: from "):
+        assert_verified(with_a_whole_step, "trapezoid", system=circuit, allowance=EXACT)
+    assert verify(with_a_whole_step, "trapezoid", allowance=EXACT, isolate=False).passed is None
+    found = verify(companion, "backward_euler", system=circuit, allowance=EXACT, isolate=False)
+    assert "is not backward_euler: a step of " in found.verdict
+
+
+class Body:
+    drag = 0.1
+
+    def __init__(self):
+        self.pos, self.vel = np.zeros(2), np.array([3.0, 4.0])
+
+    def integrate(self, dt):
+        self.vel = self.vel + dt * (np.array([0.0, -9.81]) - self.drag * self.vel)
+        self.pos = self.pos + dt * self.vel
+
+
+class DampedPerStep(Body):
+    def integrate(self, dt):
+        self.vel = (self.vel + dt * np.array([0.0, -9.81])) * (1 - self.drag)
+        self.pos = self.pos + dt * self.vel
+
+
+class Late(Body):
+    def integrate(self, dt):
+        self.pos, vel = self.pos + dt * self.vel, self.vel
+        self.vel = vel + dt * (np.array([0.0, -9.81]) - self.drag * vel)
+
+
+def falling(y):
+    return [*y[2:], *(np.array([0.0, -9.81]) - 0.1 * y[2:])]
+
+
+@pytest.mark.parametrize(("cls", "passed", "said"), [
+    (Body, True, "is symplectic_euler on the system given, its force asked with the velocity before each kick, to "),
+    (DampedPerStep, False, "its system is not the one given"), (Late, None, "with that before each kick a step of "),
+])  # fmt: skip
+def test_a_body_with_a_drag_is_judged_by_the_usual_reading_and_by_no_other(cls, passed, said):
+    step = stepper_of(cls, position="pos", velocity="vel", advance="integrate")
+    found = verify(step, "symplectic_euler", system=falling, isolate=False)
+    assert found.passed is passed
+    assert said in found.verdict
+
+
+@pytest.mark.parametrize(("system", "said"), [
+    (lambda t, y: y[:1], "has 1 slopes where a step has 2 numbers"), (lambda t, y: y[4], "given raises IndexError"),
+    (lambda t, y: y * np.nan, "the system given is not finite there"),
+])  # fmt: skip
+def test_a_system_that_is_none_of_the_steps_is_wrong_input(system, said):
+    with pytest.raises(ValueError, match=said):
+        verify(companion, "trapezoid", system=system, allowance=EXACT, isolate=False)
+
+
+def test_a_system_is_for_a_step_of_one_method_that_takes_none():
+    assert verify(lambda q, v, h: (q + h * v, v - h * q), "forward_euler", system=lambda y: [y[1], -y[0]]).passed
+    with pytest.raises(ValueError, match="takes its right-hand side: leave it out"):
+        verify(lambda f, t, y, h: y + h * f(t, y), "forward_euler", system=circuit, isolate=False)
+    with pytest.raises(ValueError, match="bdf2 is no method of one step"):
+        verify(companion, "bdf2", system=circuit)
+
+
+def test_where_slopes_do_not_change_no_method_shows():
+    found = verify(lambda x, y, h: (x + h, y + 2 * h), "rk4", system=lambda t, y: [1.0, 2.0], isolate=False)
+    assert found.passed is None
+    assert "steps of rk4 on it are not known: in a step of it slopes hardly change" in found.verdict
