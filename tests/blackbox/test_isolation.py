@@ -164,7 +164,7 @@ def test_a_stepper_that_cannot_be_imported_is_refused_by_every_question():
 
 
 def test_a_fault_of_ours_while_a_stepper_is_opened_is_no_bad_input(monkeypatch):
-    monkeypatch.setattr("driftproof.blackbox.stepper.opening._after_trial", lambda *_: int("a mistake"))
+    monkeypatch.setattr("driftproof.blackbox.stepper.trial_steps._after_trial", lambda *_: int("a mistake"))
     (found,) = IsolatedRunner(Target(lambda q, v, h: (q, v)), isolate=False).run([answer])
     assert found.kind == "instrument_failed"
     assert "ValueError in test_isolation.py" in found.seen

@@ -1,0 +1,44 @@
+"""What the first steps of a stepper show: its precision, how many it needs, and slopes that it hands on wrongly."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.findings import StaleSlope
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.trial_steps import LONGER, TRIAL_STATE, TRIAL_STEP
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
+
+
+def step(f, t, y, h):
+    return y + h * f(t, y)
+
+
+def test_precision_is_that_of_the_answers_to_a_trial():
+    assert opened(step).format is BINARY64
+    assert opened(lambda f, t, y, h: np.float32(1) * step(f, t, y, h).astype(np.float32)).format is BINARY32
+    again, end = opened(step).begun
+    assert list(end) == list(again(opened(step))) == [1.0 + TRIAL_STEP * 0.75, 0.75 - TRIAL_STEP * TRIAL_STATE[0]]
+
+
+def started(f, y, h, n):
+    """A run that needs a history."""
+    if n < 4:
+        raise ValueError("at least four steps")
+    for _ in range(n):
+        y = y + h * f(0.0, y)
+    return y
+
+
+def test_a_run_that_needs_more_steps_is_tried_with_more():
+    assert opened(started).shortest == LONGER
+
+
+def stale(force, q, v, a, h):
+    """Velocity Verlet that hands on the force where it began."""
+    q1 = q + h * v + h * h / 2 * a
+    return q1, v + h / 2 * (a + force(q1)), force(q)
+
+
+def test_a_slope_that_is_handed_on_from_the_wrong_place_is_named():
+    with pytest.raises(StaleSlope, match="as the slope at its end"):
+        opened(stale)
