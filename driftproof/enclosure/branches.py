@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import TypeAlias, TypeVar
 
-from driftproof.enclosure.evaluations import Evaluation, Refused, Value
+from driftproof.enclosure.evaluations import Evaluation, Refused
 
 # chosen: each combination of outcomes takes a run; measured data of 60 points have so many.
 MOST_OUTCOMES = 64
@@ -22,7 +22,10 @@ class Branching(Evaluation):
         self.outcomes, self.known = outcomes, dict[Condition, bool]()
 
     def outcome(self, a: Hashable, b: Hashable, at_zero: bool) -> bool:
-        """Whether a > b, or a >= b if `at_zero`; of the same two names always consistent with what was said."""
+        """Whether a > b, or a >= b if `at_zero`, by names that two numbers share only if they are equal.
+
+        What is said of two names is always consistent.
+        """
         sign, other = (">=", ">") if at_zero else (">", ">=")
         if (b, other, a) in self.known:  # a > b, unless b >= a
             return not self.known[b, other, a]
@@ -31,14 +34,6 @@ class Branching(Evaluation):
         at = len(self.known)
         require_few(at)  # in a loop, too, that ends by a comparison
         return self.known.setdefault((a, sign, b), self.outcomes[at] if at < len(self.outcomes) else True)
-
-    def name(self, x: Value) -> Hashable:
-        """What is the same for two numbers only if they are equal."""
-        raise NotImplementedError
-
-    def undecided(self, greater: Value, less: Value, at_zero: bool) -> bool:
-        """The outcome of this run."""
-        return self.outcome(self.name(greater), self.name(less), at_zero)
 
 
 def on_all_branches(

@@ -7,7 +7,7 @@ sides of its comparisons, on a cone that the solution cannot leave. Behind the w
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -133,23 +133,37 @@ def _is_certain(f: RightHandSide, t: Fraction, box: Sequence[arb]) -> bool:
 
 
 class _SomeSides(Branching):
-    """A run whose comparisons that are not decided come out as told; the same ones, and their opposites, only once."""
+    """A run whose comparisons that are not decided come out as told.
+
+    With a constant not a x + c is compared but x, so that y - 1 > 0, y > 1 and -y < -1 are asked once.
+    """
 
     def __init__(self, sides: Sequence[bool]) -> None:
         super().__init__(sides, forward=True)
-        self.kept, self.positive = list[Value](), set[int]()
+        self.kept, self.lines = list[Value](), dict[int, tuple[Fraction, Value, Fraction]]()
 
-    def name(self, x: Value) -> Hashable:
-        """An exact number, or which of the numbers of this run it is."""
-        if isinstance(x, arb) and x.is_exact():
-            return dyadic(x)
-        self.kept.append(x)  # or another number might be put in its place
-        return id(x), "of this run"
+    def made_of(self, made: Value, x: Value, y: Value, *, product: bool) -> None:
+        """Keep factor, number and shift of what is made of a number and a constant."""
+        if (constant := _constant(y)) is None:
+            x, constant = y, _constant(x)
+        if constant is not None and (constant or not product):
+            a, root, c = self.lines.get(id(x), (Fraction(1), x, Fraction(0)))
+            line = (a * constant, root, c * constant) if product else (a, root, c + constant)
+            self.kept += [made, root]  # or other numbers might be put in their places
+            self.lines[id(made)] = line
 
-    def not_negative(self, x: Value) -> None:
-        """Note that x >= 0 on this side."""
-        self.kept.append(x)
-        self.positive.add(id(x))
+    def undecided(self, greater: Value, less: Value, at_zero: bool) -> bool:
+        """The outcome of this run."""
+        known, x = (limit, less) if (limit := _constant(greater)) is not None else (_constant(less), greater)
+        a, root, c = self.lines.get(id(x), (Fraction(1), x, Fraction(0)))
+        self.kept.append(root)
+        if known is None:
+            self.kept.append(less)
+            return self.outcome(id(greater), id(less), at_zero)
+        bound = (known - c) / a
+        if (x is greater) == (a > 0):
+            return self.outcome(id(root), ("constant", bound), at_zero)
+        return self.outcome(("constant", bound), id(root), at_zero)
 
     def function(self, name: str, x: Value) -> Value:
         """The square root also of a number that may be 0, if it is not negative on this side. Raises Refused if it is.
@@ -157,10 +171,14 @@ class _SomeSides(Branching):
         Where f has no value, or is not a number, it may be any other function.
         """
         if name == "sqrt" and isinstance(x, TaylorModel) and not x.range() > 0:
-            if id(x) not in self.positive and not self.undecided(x, arb(0), at_zero=True):
+            if not self.undecided(x, arb(0), at_zero=True):
                 raise Refused("f takes the root of a number that may be negative")
             return x.range().nonnegative_part().sqrt()
         return super().function(name, x)
+
+
+def _constant(x: Value) -> Fraction | None:
+    return dyadic(x) if isinstance(x, arb) and x.is_exact() else None
 
 
 def _rates_on_all_sides(

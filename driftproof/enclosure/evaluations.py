@@ -120,8 +120,8 @@ class Evaluation:
         """Raise Refused: neither outcome is certain."""
         raise Overlapping("f compares numbers whose enclosures overlap")
 
-    def not_negative(self, x: Value) -> None:
-        """Note that x >= 0, by the outcome of a comparison."""
+    def made_of(self, made: Value, x: Value, y: Value, *, product: bool) -> None:
+        """Note that a number is the sum of two, or their product."""
 
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""

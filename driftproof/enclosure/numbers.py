@@ -99,15 +99,18 @@ class Enclosed:
 
     @_lifts_other
     def __add__(self, o: Enclosed) -> Enclosed:
-        if self.partials is None or o.partials is None:
-            return Enclosed(self.evaluation, self.value + o.value, self.partials or o.partials)
-        partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
-        return Enclosed(self.evaluation, self.value + o.value, partials)
+        value, partials = self.value + o.value, self.partials or o.partials
+        self.evaluation.made_of(value, self.value, o.value, product=False)
+        if self.partials is not None and o.partials is not None:
+            partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
+        return Enclosed(self.evaluation, value, partials)
 
     __radd__ = __add__
 
     def __neg__(self) -> Enclosed:
-        return Enclosed(self.evaluation, -self.value, self.partials and tuple(-d for d in self.partials))
+        value = -self.value
+        self.evaluation.made_of(value, self.value, arb(-1), product=True)
+        return Enclosed(self.evaluation, value, self.partials and tuple(-d for d in self.partials))
 
     def __pos__(self) -> Enclosed:
         return self
@@ -122,7 +125,9 @@ class Enclosed:
 
     @_lifts_other
     def __mul__(self, o: Enclosed) -> Enclosed:
-        return self._with_chain_rule(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
+        value = self.value * o.value
+        self.evaluation.made_of(value, self.value, o.value, product=True)
+        return self._with_chain_rule(value, (self, lambda: o.value), (o, lambda: self.value))
 
     __rmul__ = __mul__
 
@@ -132,6 +137,7 @@ class Enclosed:
         if isinstance(inverse, arb) and not inverse.is_finite() and self.value.contains(0):
             raise ZeroByZero("f divides a number that may be 0 by one that may be 0")
         value = self.value * inverse
+        self.evaluation.made_of(value, self.value, inverse, product=True)
         return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
     @_lifts_other
@@ -176,11 +182,7 @@ class Enclosed:
         """x or -x, by the sign of x on the whole box; as text |x|. Raises Refused if the sign is not known."""
         if (written := getattr(self.value, "modulus", None)) is not None:
             return Enclosed(self.evaluation, written())
-        if self > 0:
-            return self
-        negative = -self
-        self.evaluation.not_negative(negative.value)
-        return negative
+        return self if self > 0 else -self
 
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
@@ -216,7 +218,7 @@ class Enclosed:
     def _as_integer(x: Any) -> int:
         if isinstance(x, int):
             return x
-        raise Refused("f rounds a number to an integer; a problem may use math.floor, math.trunc and %")
+        raise Refused("f rounds a number to an integer; a problem may use math.floor, as of x + 0.5, math.trunc and %")
 
     @_lifts_other
     def __floordiv__(self, o: Enclosed) -> Any:

@@ -15,6 +15,8 @@ from driftproof import certify
 from driftproof.enclosure import branches, crossings
 from driftproof.enclosure.crossings import crossed, first_change
 from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.models import TaylorModel
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.field_text import field_of_text
@@ -87,6 +89,12 @@ CROSSING = {
     "a root of the size": (
         lambda t, y: [1.0, abs(y[0]) ** 1.5], [-1, 0], 2, lambda t: [arb(1), arb(4) / 5],
     ),
+    "a root behind an if": (
+        lambda t, y: [1.0, math.sqrt(2 * y[0] - 1) if y[0] > 0.5 else 0.0], [0, 0], 1, lambda t: [t, arb(1) / 3],
+    ),
+    "a root as text": (
+        field_function(field_of_text("1; max(0, y0 - 1/2)^1.5 * 10")), [0, 0], 1.5, lambda t: [t, arb(4)],
+    ),
     "a root that becomes real": (
         lambda t, y: [1.0, np.sqrt(max(y[0], 0))], [-1, 0], 2, lambda t: [arb(1), arb(2) / 3],
     ),
@@ -133,11 +141,23 @@ def test_root_that_has_no_value_in_a_window_is_refused(f):
         enclose_solution(f, [Fraction(0)] * 2, [Fraction(0), Fraction(2)])
 
 
-def test_numbers_of_a_run_have_names_of_their_own():
-    """Also where another number takes the place of one that is gone."""
+@pytest.mark.parametrize("above", [True, False])
+def test_what_is_said_of_a_number_is_known_of_what_it_makes_with_constants(above):
+    side = crossings._SomeSides([above])
+    y = Enclosed(side, TaylorModel([arb(1), arb(0, 1)], 4))
+    asked = (y > 1, y - 1 > 0, 1 - y < 0, 2 * y > 2, -y / 2 < -0.5, 3 - 2 * (y + 1) < -1)
+    assert [bool(each) for each in asked] == [above] * 6
+    assert len(side.known) == 1
+    assert bool(y * y > 1)
+    assert bool(y + y > 2)
+    assert len(side.known) == 3, "what is not linear in it is asked anew"
+
+
+def test_numbers_of_a_run_are_told_apart_also_where_another_takes_the_place_of_one_that_is_gone():
     side = crossings._SomeSides([])
-    names = {side.name(arb(k, 1)) for k in range(50)} | {side.name(arb(k)) for k in (1, 2, 2)}
-    assert len(names) == 52
+    for k in range(50):
+        assert side.undecided(arb(k, 1), arb(k), at_zero=False)
+    assert len(side.known) == 50
 
 
 @pytest.mark.parametrize(

@@ -122,7 +122,7 @@ def wrapped(angle):
 
 
 REFUSED = {
-    "rounds a number to an integer; a problem may use math.floor, math.trunc and %": lambda t, y: [y[0] * int(t)],
+    "rounds a number to an integer; a problem may use math.floor, as of x": lambda t, y: [y[0] * int(t)],
     "a problem may use math.floor": lambda t, y: [y[0] * round(t)],
     "uses atan; a problem may use sin, cos, exp, log, sqrt, abs, and": lambda t, y: [np.arctan(y[0])],
     "uses exprel; a problem may use sin": lambda t, y: [pytest.importorskip("scipy.special").exprel(y[0])],

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import ulp
+from math import isfinite, ulp
 
 from driftproof.blackbox.checks.borders import bisected_neighbours, short_name, shorter_number
 from driftproof.blackbox.checks.trials import (
@@ -229,7 +229,10 @@ def _halves_agree(runner: TrialRunner, h: float) -> bool:
     if whole is None or twice is None:
         return False
     size = max(map(abs, (*runner.ordinary, *whole, *twice)))
-    return max(abs(a - b) for a, b in zip(whole, twice, strict=True)) <= runner.rounding * size
+    return (
+        isfinite(sum((*whole, *twice)))
+        and max(abs(a - b) for a, b in zip(whole, twice, strict=True)) <= runner.rounding * size
+    )
 
 
 def _made_of_shorter(runner: TrialRunner, ends: tuple[float, float], more: str) -> CheckResult:

@@ -33,8 +33,9 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKu
 # Slopes are extrapolated from steps of 2**-8 of the system's own time and halves of these: what is cut off is below
 # 2**-50, and rounding, divided by the shortest, below 2**-36. Half of the digits leave room for a step made of them.
 _LONGEST, _HALVINGS, _ERROR, _HALF_THE_DIGITS = 2.0**-8, 5, 2.0**-36, 2.0**-26
-# Slopes that agree no better are none of a system, or another system's; the step size at which they are seen first.
-_ROUGH, _FIRST = 2.0**-10, 2.0**-20
+# Slopes that agree no better are none of a system, or another system's; the step sizes with which they are sought, the
+# smaller ones for rates of a million or more: 2^-40 rounds slopes of the state's size to 2^-13.
+_ROUGH, _FIRST = 2.0**-10, (2.0**-20, 2.0**-30, 2.0**-40)
 # A state with slopes so many times as large as at the others, as where bodies nearly touch, would make all steps short.
 _STEEP = 64
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
@@ -195,16 +196,24 @@ class OwnSteps:
             rows = [after + (after - before) / (2**power - 1) for before, after in pairwise(rows)]
         return rows[0], float(np.abs(rows[0] - last).max())
 
+    def _seen_with(self, h: float) -> list[tuple[Array, Array]] | None:
+        """The states that have an answer, with their slopes; None if these are not smooth, as where each step jumps."""
+        seen = list[tuple[Array, Array]]()
+        for y in self.states:
+            with suppress(Misbehaviour):
+                slopes, off = self._measured(0.0, y, h, 2)
+                if not off <= _ROUGH * (1 + hypot(*slopes)):
+                    return None
+                seen.append((np.array(y), slopes))
+        return seen
+
     @classmethod
     def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, ...]]) -> OwnSteps | None:
         """The system at the states with an answer; None if short steps have no slopes there, or those of q'' = -q."""
-        first, seen = cls(subject, states), list[tuple[Array, Array]]()
-        for y in states:
-            with suppress(Misbehaviour):
-                slopes, off = first._measured(0.0, y, _FIRST, 2)
-                if off > _ROUGH * (1 + hypot(*slopes)):  # as where each step jumps
-                    return None
-                seen.append((np.array(y), slopes))
+        first = cls(subject, states)
+        smooth = (seen for h in _FIRST if (seen := first._seen_with(h)) is not None)
+        if (seen := next(smooth, None)) is None:
+            return None
         sizes = [float(np.linalg.norm(slopes)) for _, slopes in seen]
         seen = [each for each, size in zip(seen, sizes, strict=True) if size <= _STEEP * sorted(sizes)[len(sizes) // 2]]
         # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.

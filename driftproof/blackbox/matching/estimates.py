@@ -24,6 +24,7 @@ from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import Json
+from driftproof.symbolic.linear.printed_digits import roundings
 from driftproof.symbolic.trees.order_in_balls import Ball, vanishing_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
@@ -137,7 +138,7 @@ def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method 
     keys = (key + row for key, m in METHODS.items() if m.explicit and is_pair(m) for row in ("", EMBEDDED_SUFFIX))
     pairs = (pair for pair in ([method] if method else map(METHODS.__getitem__, keys)) if is_pair(pair))
     arranged = [(pair, order) for pair in pairs if (order := _stages_called(pair, reading)) is not None]
-    found = [_compared(pair.key, _differences(pair, order), estimate) for pair, order in arranged]
+    found = [_compared(pair, _differences(pair, order), estimate) for pair, order in arranged]
     return min(found, key=lambda fit: (fit[0] is None, len(fit[3])), default=(None, 1.0, [], []))
 
 
@@ -170,16 +171,18 @@ def _differences(pair: RungeKutta, order: Sequence[int]) -> list[Exact]:
     return [row.get(stage, Fraction(0)) for stage in order]
 
 
-def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
-    """Compare the row read with b - b̂ of a pair, up to a factor."""
+def _compared(pair: RungeKutta, exact: list[Exact], estimate: EstimateReading) -> _Fit:
+    """Compare the row read with b - b̂ of a pair, up to a factor; where its source rounds, also to the digits there."""
+    key = pair.key
+    printed = [float(roundings(pair)(x)) if pair.decimal and x else 0.0 for x in exact]
     most = Rounding(estimate.format, len(exact)).of(1.0)
     largest = max(range(len(exact)), key=lambda j: abs(float(exact[j])))
     ratio = float(estimate.row[largest]) / float(exact[largest])
     size = max(estimate.sizes[largest], abs(float(estimate.row[largest])))
     simple = simple_rational(ratio, most * size / abs(float(exact[largest])))
     factor = ratio if simple is None else float(simple)
-    if _off(exact, estimate, most, factor):
-        wrong = _off(exact, estimate, most, 1.0)
+    if _off(exact, printed, estimate, most, factor):
+        wrong = _off(exact, printed, estimate, most, 1.0)
         few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
         but = f"; it differs in {'; '.join(wrong)}" if few else ""
         return None, 1.0, [], [f"the error estimate is not that of {key}{but}"]
@@ -193,10 +196,10 @@ def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
     return key, factor, [f"e = {shown} (b - b_hat) of {key}"], fault
 
 
-def _off(exact: list[Exact], estimate: EstimateReading, most: float, factor: float) -> list[str]:
-    """The weights that differ from those of the pair times the factor, as text."""
+def _off(exact: list[Exact], printed: list[float], estimate: EstimateReading, most: float, factor: float) -> list[str]:
+    """The weights that differ from those of the pair times the factor by more than is `printed`, as text."""
     return [
         coefficient_difference(f"e[{j}]", float(e), x, estimate.format, most * size)
         for j, (e, x, size) in enumerate(zip(estimate.row, exact, estimate.sizes, strict=True))
-        if abs(float(e) - factor * float(x)) > most * max(size, abs(factor * float(x)))
+        if abs(float(e) - factor * float(x)) > most * max(size, abs(factor * float(x))) + abs(factor) * printed[j]
     ]

@@ -80,6 +80,21 @@ def heun_on(rate):
     return step
 
 
+def test_steps_that_overflow_are_not_two_halves():
+    """a' = -10000 a b, b' = 10000 a b - 3 b, where long steps end at some 1e40, and two of them at no number."""
+    rate = lambda y: np.array([-1e4 * y[0] * y[1], 1e4 * y[0] * y[1] - 3 * y[1]])
+
+    def rk4(y, dt):
+        k1 = rate(y)
+        k2 = rate(y + dt / 2 * k1)
+        k3 = rate(y + dt / 2 * k2)
+        return y + dt / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + dt * k3))
+
+    with np.errstate(all="ignore"):
+        (check,) = sub_steps(opened(rk4))
+    assert (check.holds, check.words) == (True, "no sub-steps were detected")
+
+
 @pytest.mark.parametrize(("count", "holds"), [(lambda h: 1, True), (lambda h: 1 + (abs(h) > 0.5), False)])
 def test_a_step_that_is_two_halves_at_one_h_alone_is_in_no_sub_steps(count, holds):
     """Of a' = 4(b - a), b' = 4(a - b) steps of h = 1 are two of 1/2: R(-8) = R(-4)^2."""

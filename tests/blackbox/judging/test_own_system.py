@@ -54,6 +54,11 @@ def rubbing(t, x, v):
     return v, -4 * x - 0.5 * np.sign(v)
 
 
+def circuit(t, x, v):
+    """Of 1 mH, 1 µF and 10 ohms."""
+    return (1.0 - 10 * x - v) / 1e-3, x / 1e-6
+
+
 def leapfrog(kicks=(0.5, 0.5)):
     def step(x, v, dt):
         v = v - kicks[0] * dt * 9.81 * sin(x)
@@ -222,6 +227,7 @@ def moved(made, h):
 
 
 RIGHT = {
+    "a fast circuit": (on(circuit), "rk4", "q' = -"),
     "a fall": (on(lambda t, x, v: (v, -9.81)), "rk4", "q' = v, v' = -9.81, a constant force"),
     "a weight on a spring": (on(lambda t, x, v: (v, -x - 9.81)), "rk4", "q' = v, v' = -q - 9.81"),
     "a spring with a drag": (on(springs), "rk4", "q' = v, v' = -15 q - 0.1 v"),
@@ -256,6 +262,7 @@ RIGHT = {
     "an object of four numbers": (stepper_of(Coupled, state="state"), "rk4", "one of 4 numbers"),
 }
 WRONG = {
+    "a slope of a fast circuit": (on(circuit, of=2), "rk4", "where rk4 ends in"),
     "a slope of a spring": (on(springs, of=2), "rk4", "v' = -15 q - 0.1 v: a step of"),
     "h halved at the end": (on(hunters, last=0.5), "rk4", "where rk4 ends in"),
     "the time of the last slope": (on(driven, late=0.5), "rk4", "where rk4 ends in"),

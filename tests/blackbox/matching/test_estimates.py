@@ -120,6 +120,25 @@ def test_a_time_beside_the_state_is_no_estimate():
         judged(timed)
 
 
+# As of a code that has more digits than the 15 decimals of the source.
+TSITOURAS = (
+    -0.00178001105222577714,
+    -0.0008164344596567469,
+    0.007880878010261995,
+    -0.1447110071732629,
+    0.5823571654525552,
+    -0.45808210592918697,
+    1 / 66,
+)
+
+
+@pytest.mark.parametrize(("off", "right"), [(0.0, True), (1e-13, False)])
+def test_an_estimate_is_that_of_a_rounded_source_to_its_digits(off, right):
+    step = pair_step("tsitouras54", estimate=lambda e: [TSITOURAS[0] + off, *TSITOURAS[1:]])
+    found = judged_estimate(opened(step, "field"), METHODS["tsitouras54"])
+    assert (found.pair, not found.faults) == ("tsitouras54" if right else None, right)
+
+
 def cut(y1, error, h, y):
     return y1, np.minimum(error, 1e-3)
 
