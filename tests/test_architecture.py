@@ -78,7 +78,7 @@ BUDGET_OF_REPORTS_AND_FRONT = 5929
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
 # implicit steps as engineers write them, and steps and solvers as they stand in public code.
-TESTS_PER_LINE_OF_SOURCE = Fraction(958, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(959, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
