@@ -162,6 +162,7 @@ def test_a_solution_that_grows_takes_no_more_steps_of_a_right_one_and_more_of_a_
     assert [len(faults) for faults in told] == [0, 1]
 
 
+@pytest.mark.slow
 def test_what_is_not_seen_is_remarked_on():
     """A solver of low order, right, which takes too many calls at small tolerances."""
     slow = adaptive("heun_euler21", exponent=1, safety=0.9, per_unit=True)
@@ -456,6 +457,7 @@ def test_an_error_norm_that_is_0_unless_all_numbers_have_errors_is_told():
 
 
 @pytest.mark.parametrize("cancel", [True, False])
+@pytest.mark.slow
 def test_errors_that_cancel_and_runs_that_remember_others_are_told(cancel):
     made = []
 
