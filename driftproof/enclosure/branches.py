@@ -32,7 +32,7 @@ class Branching(Evaluation):
         if self.known.get((a, other, b)) is at_zero or self.known.get((b, sign, a)) is (not at_zero):
             return at_zero  # a > b tells a >= b, and not b > a
         at = len(self.known)
-        require_few(at)  # in a loop, too, that ends by a comparison
+        _require_few(at)  # in a loop, too, that ends by a comparison
         return self.known.setdefault((a, sign, b), self.outcomes[at] if at < len(self.outcomes) else True)
 
 
@@ -45,7 +45,7 @@ def on_all_branches(
     def made_behind(outcomes: Sequence[bool]) -> _Made:
         nonlocal runs
         runs += 1
-        require_few(runs)
+        _require_few(runs)
         made, branch = run(outcomes)
         conditions, told = list(branch.known), list(branch.known.values())
         for at in reversed(range(len(outcomes), len(conditions))):
@@ -55,7 +55,7 @@ def on_all_branches(
     return made_behind(())
 
 
-def require_few(outcomes: int) -> None:
+def _require_few(outcomes: int) -> None:
     """Raise Refused if there are too many."""
     if outcomes > MOST_OUTCOMES:
         raise Refused(f"f compares numbers with more than {MOST_OUTCOMES} outcomes; certify takes such an f")

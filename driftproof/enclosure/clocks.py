@@ -128,11 +128,6 @@ class Clock(Enclosed):
     __gt__, __ge__, __lt__, __le__, __eq__ = map(_by_sign, ("gt", "ge", "lt", "le", "eq"))
 
 
-def exactexact_value(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
-    """An exact constant in a ball; comparisons of the time with a rational one are decided exactly."""
-    return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)
-
-
 def exact_constant(evaluation: Evaluation, x: Any, ball: arb) -> Enclosed:
     """An exact constant in a ball; comparisons of the time with a rational one are decided exactly."""
     return Clock(evaluation, ball, (x, Fraction(0))) if isinstance(x, Fraction) else Enclosed(evaluation, ball)

@@ -27,8 +27,8 @@ RightHandSide = Callable[[Any, Any], Any]
 _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
 _MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
-_FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
-_REPLACED = ("array", "asarray", "zeros", "sign", "interp", *_FILLED_WITH_FLOATS, *SELECTING)
+_FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
+_REPLACED = ("array", "asarray", "sign", "interp", *_FILLED_WITH_FLOATS, *SELECTING)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
 # The answers for enclosed numbers that are finite.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
@@ -282,11 +282,6 @@ class _Numpy(ModuleType):
     def interp(x: Any, *points: Any, **options: Any) -> Any:
         """numpy.interp, which enclosed numbers have at a single number."""
         return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
-
-    @staticmethod
-    def zeros(shape: Any, dtype: Any = None, **options: Any) -> Any:
-        """numpy.zeros, with dtype object instead of float."""
-        return np.zeros(shape, dtype=object if dtype in (None, float, np.float64) else dtype, **options)
 
     class _Linalg(ModuleType):
         """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm of a vector only."""

@@ -49,12 +49,12 @@ def exact_value(x: object) -> Fraction | None:
     return None
 
 
-def _compares(name: str, exchanged: bool, at_zero: bool) -> Callable[[Enclosed, object], Any]:
-    """The comparison of numbers whose difference, or its negative if `exchanged`, has to be positive, or not negative.
+def _compares(name: str) -> Callable[[Enclosed, object], Any]:
+    """The comparison gt, lt, ge or le: of a difference, or its negative, that has to be positive, or not negative.
 
     The answer is NumPy's, as of components: of two such, + is "or", and ~ is "not". Constants are compared exactly.
     """
-    compare = getattr(operator, name)
+    compare, exchanged, at_zero = getattr(operator, name), name in ("lt", "le"), name in ("ge", "le")
 
     def compared(x: Enclosed, other: object) -> Any:
         if isinstance(other, np.ndarray):
@@ -167,8 +167,7 @@ class Enclosed:
         before = _power(self.value, n - 1)
         return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
-    __gt__, __lt__ = _compares("gt", False, False), _compares("lt", True, False)
-    __ge__, __le__ = _compares("ge", False, True), _compares("le", True, True)
+    __gt__, __lt__, __ge__, __le__ = map(_compares, ("gt", "lt", "ge", "le"))
 
     def __eq__(self, other: object) -> Any:
         """False if the two certainly differ, True if they are the same exact number. Raises Refused otherwise."""
@@ -231,11 +230,11 @@ class Enclosed:
 
     @_lifts_other
     def __rfloordiv__(self, o: Enclosed) -> Any:
-        return floor(o / self)
+        return o // self
 
     @_lifts_other
     def __rmod__(self, o: Enclosed) -> Any:
-        return o - floor(o / self) * self
+        return o % self
 
     def __divmod__(self, other: object) -> Any:
         return self // other, self % other
