@@ -86,9 +86,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     members = [member for member in members if member not in inputs]
     fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
-    if suggestions.stated:
-        shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.stated[:_MOST_READ]]
-        more = f"# and {rest} more\n" if (rest := len(suggestions.stated) - _MOST_READ) > 0 else ""
+    if suggestions.values.stated:
+        shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.values.stated[:_MOST_READ]]
+        more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
         drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
         drafted += [
             f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
@@ -96,7 +96,11 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         ]
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
     open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
-    if open_numbers and not any(" t={" in one for one in suggestions.stated) and (unread := unread_equation(text)):
+    if (
+        open_numbers
+        and not any(" t={" in one for one in suggestions.values.stated)
+        and (unread := unread_equation(text))
+    ):
         at, equation, why = unread
         drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
@@ -121,7 +125,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
-    for why, those in suggestions.not_asked.items():
+    for why, those in suggestions.values.not_asked.items():
         drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
     printed = [document.span(one.printed) for one in listings_in(document) if one.printed]
     left = [x for x in members if not (x.strong or x.chosen) and any(a <= x.number.start < b for a, b in printed)]

@@ -5,25 +5,19 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import chain, takewhile
 from typing import Any
 
-from flint import arb, ctx
-
-from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.steps import with_effort
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.support.progress import stage
-from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.calculations import Calculation, calculations_in
-from driftproof.texts.claims.contradictions import SETTING, contradicted, lowered, methods_named, sentence_around
-from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
+from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, sentence_around
+from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import (
     COMPARED,
@@ -36,42 +30,19 @@ from driftproof.texts.claims.places import (
     leaves_quantity,
     place_of,
 )
+from driftproof.texts.claims.possible_values import PossibleValues
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
 from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
 from driftproof.texts.claims.tables import tables_of
-from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
-from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
-# The usual questions: about the methods that the text names, else about these, with its step sizes, then with these.
-_USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
-_USUAL_STEPS = ("1/4", "1/2", "1/10")
-_RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
-_STEP_READOUTS = ("q", "v", "energy")
-LIMITS_OF_METHODS = ("imaginary_limit", "real_limit", "angle")
-_USUAL_FACTS = (*LIMITS_OF_METHODS, "order", "stages", "error_constant", "limit_at_infinity")
-# Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
-_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 2
-_LONGEST_RUN = 10_000
-# Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
-EFFORT = 1 / 20
-# Bits of precision: enough for the digits of any number of a text.
-_MOST_BITS = 256
-# The question for a value as a percentage.
-SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
-
-
 # A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
-# A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
-_SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
 
 
 @dataclass(frozen=True)
@@ -92,31 +63,15 @@ class LookAlikes:
 
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
-        self.text = text
-        asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
-        # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
-        pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
-        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one])}
-        self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
-        said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
-        no_runs = [one for one in asked_for if runs and one not in runs]
-        self._refused, self._unanswered = dict[str, Refused](), dict[str, QuestionError]()
-        self.not_asked: dict[str, Collection[str]] = {
-            "h does not divide t": no_runs,
-            "the question has no answer": self._unanswered,
-            "the question itself says the value": said,
-            "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
-        }
-        self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
+        self.text, self.tables = text, tables_of(text)
+        self.values = PossibleValues(text, stated_questions(text, self.tables.column_of), asked)
         self._meant: dict[int, list[KnownValue]] = {}
         self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
-        self.tables = tables_of(text)
         self.calculated = {one.result: one for one in calculations_in(text)}
         calculations = self.calculated.values()
         self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
-        self.stated = stated_questions(text, self.tables.column_of)
-        self._lower = lowered(text, self.stated)
+        self._lower = self.values.lower
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
@@ -140,7 +95,9 @@ class LookAlikes:
         form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
         percent = self.text.startswith(("%", " %"), number.end)
         possible = [
-            k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
+            k
+            for k in self.values.known
+            if (k.answer.unit == "%") == percent or (k.question in self.values.asked and not percent)
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
@@ -148,7 +105,7 @@ class LookAlikes:
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         kinds = {without_sizes(each.question) for each in meant if each.stated}
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
-        alike = {each.question for each in self._written(form).get(spelled(number), ())}
+        alike = {each.question for each in self.values.written_like(number)}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
@@ -233,18 +190,18 @@ class LookAlikes:
         if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
             said = " ".join(sentence_around(self._lower, number.start, number.end))
             single = {name for name in stand if not re.search(rf"(?<![a-z]){name}", said)}
-        spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
+        spoken, line = methods_named(near), self._on_line_of(number)
         return {
             known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
             + sum(not line.isdisjoint(x) for x in known.numbers)
             + sum(not spoken.isdisjoint(x) for x in known.methods)
-            for known in self._known
+            for known in self.values.known
         }
 
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
-            if table >= 0 and self.stated and leaves_quantity(self.tables.column_of(number)):
+            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number)):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
             if table in self._steps and "h" not in place.near:
                 place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
@@ -259,7 +216,7 @@ class LookAlikes:
         votes, (table, _) = Counter({1: 1}), self.tables.column_place(number)
         for x in chain(*(numbers for place, numbers in self._company.items() if place[0] == table)):
             place = self._named_at(x)
-            for known in self._written(form_of(x)).get(spelled(x), ()) if place.quantity == "observed_order" else ():
+            for known in self.values.written_like(x) if place.quantity == "observed_order" else ():
                 if place.means(known.question, known.keys):
                     sizes = asked_settings(known.question)["h"]
                     votes.update(i for i, size in enumerate(sizes) if size == place.settings["h"])
@@ -284,7 +241,7 @@ class LookAlikes:
     def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:
         """What half of the numbers of a table say, at least 3: the quantity, or the step size of those with one."""
         tables = defaultdict[int, list[TextNumber]](list)
-        for (table, _), numbers in self._company.items() if self.stated else ():
+        for (table, _), numbers in self._company.items() if self.values.stated else ():
             tables[table] += [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2 and counts(x)]
         found = dict[int, Any]()
         for table, numbers in tables.items():
@@ -298,7 +255,7 @@ class LookAlikes:
     def _said_by(self, number: TextNumber, what: str) -> set[Any]:
         """The quantities, or the step sizes, of which the number has a value that its row and head name."""
         place, found = self._named_at(number), set[Any]()
-        for known in self._written(form_of(number)).get(spelled(number), ()):
+        for known in self.values.written_like(number):
             quantity, sizes = asked_quantity(known.question)[0], SETTING["h"].findall(known.question)
             said: Any = quantity if what == "quantity" else next(map(Fraction, sizes), None)
             of = place.settings | {"h": said} if what == "h" else place.settings
@@ -315,7 +272,7 @@ class LookAlikes:
     @cached_property
     def _unknowns(self) -> dict[str, str]:
         """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
-        asked = " ".join((*self.asked, *self.stated)).lower()
+        asked = " ".join((*self.values.asked, *self.values.stated)).lower()
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
         own = {*speeds.values()}
@@ -327,15 +284,17 @@ class LookAlikes:
         """The values that the place of the number names."""
         if number.start not in self._meant:
             place = self._place_of(number)
-            self._meant[number.start] = [known for known in self._known if place.means(known.question, known.keys)]
+            self._meant[number.start] = [each for each in self.values.known if place.means(each.question, each.keys)]
         return self._meant[number.start]
 
     @cached_property
     def _all_names(self) -> set[str]:
-        return {name for known in self._known for name in known.names}
+        return {name for known in self.values.known for name in known.names}
 
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
+        if not (self.values.asked or self.values.stated):  # then no value has numbers of its own
+            return set()
         line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
         return line | ({*self._place_of(number).settings.values()} if self.tables.row_of(number) else set())
 
@@ -350,86 +309,6 @@ class LookAlikes:
                     lines[-1].append((at + number.start, number.value))
             at += len(line)
         return lines
-
-    def _written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
-        """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
-        if form not in self._spelled:
-            table = self._spelled[form] = {}
-            with stage("working out values that the text may mean") as progress:
-                for i, known in enumerate(reversed(self._known)):  # long runs hold the shorter ones
-                    progress.part = i / len(self._known)
-                    with suppress(ValueError):
-                        for spelling in form.spellings(known.answer):
-                            table.setdefault(spelling, []).append(known)
-        return self._spelled[form]
-
-    @cached_property
-    def _known(self) -> list[KnownValue]:
-        """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
-
-        Raises QuestionError if no question of the author has an answer.
-        """
-        questions = published_values() | dict.fromkeys(self._questions())
-        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
-        asked = list[KnownValue]()
-        for question, chosen in self.asked.items():
-            try:
-                asked.append(KnownValue(question, self._limited(question), chosen))
-            except QuestionError as error:  # of braces, one method may have no such value
-                self._unanswered[question] = error
-        if self._unanswered and not asked:
-            raise next(iter(self._unanswered.values()))
-        stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
-        for question, chosen in stated.items():
-            with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
-                asked.append(KnownValue(question, self._limited(question, EFFORT), chosen, stated=True))
-        percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
-        shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
-        shares = [replace(k, question=SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
-        return [*found, *asked, *shares]
-
-    def _questions(self) -> Iterator[str]:
-        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
-        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
-        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
-        sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
-        times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
-        spoken = methods_named(self._lower)
-        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
-        for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
-            yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
-            if "interval" in self._lower:
-                yield f"-real_limit {method}"
-            for h in sizes if method in METHODS and i < _MOST_RUN else ():
-                yield f"energy_multiplier {method} h={h}"
-                yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
-                ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
-                for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
-                    readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
-                    yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
-        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
-
-    def _limited(self, question: str, effort: float = 1.0) -> Answer:
-        """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""
-        answer = value(question)
-        x = answer.exact
-        if x is None or not callable(x):
-            return answer
-
-        def ball() -> arb:
-            if ctx.prec > _MOST_BITS:
-                raise Uncertified("a tie")
-            if question in self._refused:
-                raise self._refused[question]
-            try:
-                with with_effort(effort):
-                    return enclose(x)
-            except Refused as refusal:
-                self._refused[question] = refusal
-                raise
-
-        return replace(answer, exact=ball)
 
 
 def without_sizes(question: str) -> str:
@@ -447,11 +326,3 @@ def printed(done: Calculation, number: TextNumber) -> list[str]:
     with suppress(ValueError):
         return form_of(number).spellings(done.answer)
     return []
-
-
-@cache
-def _usual(question: str) -> Answer | None:
-    """The answer to a question that names no file, computed once for all texts; None if there is none."""
-    with suppress(ValueError):
-        return value(question)
-    return None

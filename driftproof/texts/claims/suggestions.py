@@ -14,16 +14,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit
 from driftproof.texts.claims.known_values import KnownValue
-from driftproof.texts.claims.look_alikes import (
-    BESIDE,
-    EFFORT,
-    LIMITS_OF_METHODS,
-    SHARE,
-    LookAlikes,
-    printed,
-    without_sizes,
-)
+from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.places import COMPARED, asked_quantity
+from driftproof.texts.claims.possible_values import EFFORT, LIMITS_OF_METHODS, SHARE
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -48,7 +41,7 @@ class Suggestions(LookAlikes):
 
         First come the likely slips, then the numbers that are equal to the value, with few digits.
         """
-        asked = [known for known in self._known if known.rank == 2 and known.question in self.asked]
+        asked = [known for known in self.values.known if known.rank == 2 and known.question in self.values.asked]
         missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
         shares = {SHARE.format(question): question for question in missed}
         for number in (each for each in numbers_in(self.text) if missed and each.label is None):
@@ -82,13 +75,13 @@ class Suggestions(LookAlikes):
         limit needs four and its names in the sentence: one number in 180 is by chance a slip for a given value.
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
-        found, written = dict[str, str](), self._written(form_of(number))
+        found, written = dict[str, str](), self.values.written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
             results = printed(done, number)
             return {done.question: results[0]} if results and digits > 1 else {}
-        if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
+        if not any(one.strong or one.question in (meant | self.values.asked.keys()) for one in alike):
             shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
             ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
             first = {known.question: spelling for spelling, ones in ways for known in ones}
@@ -113,7 +106,7 @@ class Suggestions(LookAlikes):
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
-                answer = next((each.answer for each in self._known if each.question == fact), None)
+                answer = next((each.answer for each in self.values.known if each.question == fact), None)
                 own = form_of(number).spellings(answer) if answer and answer.is_number else []
                 found |= {fact: own[0]} if own and spelled(number) not in own else {}
             elif fact in first:
@@ -175,7 +168,7 @@ class Suggestions(LookAlikes):
             for other in (t - h, t + h) if h and t else ():
                 there = _TIME.sub(f"t={other}", question)
                 with suppress(ValueError):
-                    if other > 0 and spelled(number) in form_of(number).spellings(self._limited(there, EFFORT)):
+                    if other > 0 and spelled(number) in form_of(number).spellings(self.values.limited(there, EFFORT)):
                         found[question] = spelling
         return found
 
@@ -211,7 +204,7 @@ class Suggestions(LookAlikes):
     @cached_property
     def _stated_values(self) -> set[str]:
         """The questions of all values that are about stated problems."""
-        return {known.question for known in self._known if known.stated}
+        return {known.question for known in self.values.known if known.stated}
 
 
 def _problem_of(question: str) -> str:

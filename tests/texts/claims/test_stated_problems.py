@@ -14,7 +14,7 @@ from tests.looping import some
 
 def stated(text, form="plain"):
     suggestions = Suggestions(document_of(text, form).text.text)
-    return suggestions.stated
+    return suggestions.values.stated
 
 
 def equations(text, form="plain"):

@@ -1,0 +1,165 @@
+"""The values that the numbers of one text may be: published ones, usual ones, those asked for and those stated."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache, cached_property
+
+from flint import arb, ctx
+
+from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.steps import with_effort
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.support.progress import stage
+from driftproof.symbolic.algebra.certified import Uncertified, enclose
+from driftproof.texts.claims.contradictions import SETTING, lowered, methods_named
+from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
+from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.claims.spellings import form_of, spelled
+from driftproof.texts.questions.answer import Answer
+from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.numbers import TextNumber
+from driftproof.texts.values.published import published_values
+
+# The usual questions: about the methods that the text names, else about these, with its step sizes, then with these.
+_USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
+_USUAL_STEPS = ("1/4", "1/2", "1/10")
+_RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
+_STEP_READOUTS = ("q", "v", "energy")
+LIMITS_OF_METHODS = ("imaginary_limit", "real_limit", "angle")
+_USUAL_FACTS = (*LIMITS_OF_METHODS, "order", "stages", "error_constant", "limit_at_infinity")
+# Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
+_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 2
+_LONGEST_RUN = 10_000
+# Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
+EFFORT = 1 / 20
+# Bits of precision: enough for the digits of any number of a text.
+_MOST_BITS = 256
+# The question for a value as a percentage.
+SHARE = "percent({}, 1)"
+# A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
+_SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
+
+
+class PossibleValues:
+    """The values that the numbers of one text may be, each by its question."""
+
+    def __init__(self, text: str, stated: Sequence[str], asked: Iterable[str] = ()) -> None:
+        """Take a text in canonical spelling, questions about the problems that it states, and those of its author.
+
+        Braces in questions stand for several; the author says that the text has their values.
+        """
+        self.text, self.stated, self.lower = text, stated, lowered(text, stated)
+        asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
+        pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
+        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one])}
+        self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
+        said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
+        no_runs = [one for one in asked_for if runs and one not in runs]
+        self._refused, self._unanswered = dict[str, Refused](), dict[str, QuestionError]()
+        self.not_asked: dict[str, Collection[str]] = {
+            "h does not divide t": no_runs,
+            "the question has no answer": self._unanswered,
+            "the question itself says the value": said,
+            "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
+        }
+        self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
+
+    @cached_property
+    def known(self) -> list[KnownValue]:
+        """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
+
+        Raises QuestionError if no question of the author has an answer.
+        """
+        questions = published_values() | dict.fromkeys(self._usual_questions())
+        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
+        asked = list[KnownValue]()
+        for question, chosen in self.asked.items():
+            try:
+                asked.append(KnownValue(question, self.limited(question), chosen))
+            except QuestionError as error:  # of braces, one method may have no such value
+                self._unanswered[question] = error
+        if self._unanswered and not asked:
+            raise next(iter(self._unanswered.values()))
+        stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
+        for question, chosen in stated.items():
+            with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
+                asked.append(KnownValue(question, self.limited(question, EFFORT), chosen, stated=True))
+        percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
+        shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
+        shares = [replace(k, question=SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
+        return [*found, *asked, *shares]
+
+    def _usual_questions(self) -> Iterator[str]:
+        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
+        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
+        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
+        sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
+        times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
+        spoken = methods_named(self.lower)
+        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
+        for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
+            yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
+            if "interval" in self.lower:
+                yield f"-real_limit {method}"
+            for h in sizes if method in METHODS and i < _MOST_RUN else ():
+                yield f"energy_multiplier {method} h={h}"
+                yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
+                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
+                ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
+                for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
+                    readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
+                    yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
+        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
+
+    def written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
+        """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
+        if form not in self._spelled:
+            table = self._spelled[form] = {}
+            with stage("working out values that the text may mean") as progress:
+                for i, known in enumerate(reversed(self.known)):  # long runs hold the shorter ones
+                    progress.part = i / len(self.known)
+                    with suppress(ValueError):
+                        for spelling in form.spellings(known.answer):
+                            table.setdefault(spelling, []).append(known)
+        return self._spelled[form]
+
+    def written_like(self, number: TextNumber) -> Sequence[KnownValue]:
+        """The values that are spelled as the number is."""
+        return self.written(form_of(number)).get(spelled(number), ())
+
+    def limited(self, question: str, effort: float = 1.0) -> Answer:
+        """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""
+        answer = value(question)
+        x = answer.exact
+        if x is None or not callable(x):
+            return answer
+
+        def ball() -> arb:
+            if ctx.prec > _MOST_BITS:
+                raise Uncertified("a tie")
+            if question in self._refused:
+                raise self._refused[question]
+            try:
+                with with_effort(effort):
+                    return enclose(x)
+            except Refused as refusal:
+                self._refused[question] = refusal
+                raise
+
+        return replace(answer, exact=ball)
+
+
+@cache
+def _usual(question: str) -> Answer | None:
+    """The answer to a question that names no file, computed once for all texts; None if there is none."""
+    with suppress(ValueError):
+        return value(question)
+    return None
