@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10721,
     "numeric": 4018,
     "blackbox": 22074,
-    "enclosure": 4777,
+    "enclosure": 4899,
     "texts": 10090,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5929

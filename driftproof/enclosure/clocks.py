@@ -7,10 +7,9 @@ just after its beginning, and continues that analytically; it ends where a compa
 from __future__ import annotations
 
 import operator
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import ceil, floor, perm
+from math import ceil, floor
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -157,53 +156,3 @@ def _is_ahead(crossing: Fraction, span: tuple[Fraction, Fraction | None]) -> boo
     if crossing > first and last is not None and crossing < last:
         raise TimeCut(crossing)
     return crossing > first
-
-
-def interpolated(
-    x: Enclosed,
-    xp: Sequence[float],
-    fp: Sequence[float],
-    left: float | None = None,
-    right: float | None = None,
-    period: float | None = None,
-) -> Any:
-    """numpy.interp at a number: the line through the two points around x, `left` and `right` beyond the first and last.
-
-    The slope is exact, where NumPy rounds it. With a period, both x and the points are taken modulo it.
-    """
-    knots, values = _exact(xp), _exact(fp)
-    if period is not None:
-        whole = abs(Fraction(period))
-        within = sorted(zip([k % whole for k in knots], values, strict=True))
-        (first, its), (last, other) = within[0], within[-1]
-        knots, values = zip((last - whole, other), *within, (first + whole, its), strict=True)
-        x = x % whole
-    i = bisect_right(knots, x)
-    if i == 0:
-        return values[0] if left is None else left
-    if i == len(knots):
-        return values[-1] if right is None or knots[-1] == x else right
-    return values[i - 1] + (x - knots[i - 1]) * (values[i] - values[i - 1]) / (knots[i] - knots[i - 1])
-
-
-def of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
-    """A spline of SciPy, a `PPoly`, at a number: the polynomial of the piece that x is in, with its coefficients."""
-    knots, rows = _exact(spline.x), _exact(spline.c)
-    if derivative < 0 or knots[0] > knots[-1]:
-        raise Refused("f takes an integral of a spline, or a spline whose knots decrease")
-    if spline.extrapolate == "periodic":
-        x = knots[0] + (x - knots[0]) % (knots[-1] - knots[0])
-    elif not spline.extrapolate and (x < knots[0] or x > knots[-1]):
-        raise Refused("f takes a spline beyond its ends")
-    i = min(max(bisect_right(knots, x) - 1, 0), len(knots) - 2)
-    total, from_knot = 0, x - knots[i]
-    for power in reversed(range(derivative, len(rows))):
-        total = total * from_knot + rows[len(rows) - 1 - power, i] * perm(power, derivative)
-    return total
-
-
-def _exact(doubles: Any) -> Any:
-    """The doubles as Fractions, which are data and not constants of f."""
-    if np.iscomplexobj(doubles):
-        raise Refused("f uses complex data")
-    return np.vectorize(Fraction, otypes=[object])(np.asarray(doubles, dtype=float))[()]

@@ -102,6 +102,11 @@ class Evaluation:
         self.taken.append(answer)
         return answer
 
+    def is_positive(self, x: Value) -> bool:
+        """True if the number is certainly positive, at the point of expansion if it is a series; no outcome of f."""
+        values = self._between(x) if isinstance(x, arb) or hasattr(x, "ends") else (x[0],)
+        return all(value > 0 for value in values)
+
     def floor(self, x: Value) -> int:
         """The integer k with k <= x < k + 1, in a span also with k = x if x falls. Raises Refused if there are two."""
         balls = [x if isinstance(x, arb) else x.range(arb(0, 1)) for x in self._between(x)]

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.clocks import interpolated, of_pieces
+from driftproof.enclosure.data import bin_of, interpolated, sorted_place, spline_of
 from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.numbers import SELECTING, Enclosed, enclosed
 from driftproof.support.plain_text import counted
@@ -28,7 +28,7 @@ _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "exp
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
 _MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
-_REPLACED = ("array", "asarray", "sign", "interp", *_FILLED_WITH_FLOATS, *SELECTING)
+_REPLACED = ("array", "asarray", "sign", "interp", "digitize", "searchsorted", *_FILLED_WITH_FLOATS, *SELECTING)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
 # The answers for enclosed numbers that are finite.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
@@ -119,23 +119,17 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
     if isinstance(value, FunctionType):
         foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
         return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
-    if _is_spline(value):
-        return lambda x, *more: of_pieces(value, x, *more) if isinstance(x, Enclosed) else value(x, *more)
+    if (spline := spline_of(value)) is not None:
+        return lambda x, *more: spline(x, *more) if isinstance(x, Enclosed) else value(x, *more)
     call = vars(type(value)).get("__call__")
     if isinstance(call, FunctionType):
         return MethodType(_rebound(call, known, depth), _with_splines(value))
     return value
 
 
-def _is_spline(value: Any) -> bool:
-    """True for a PPoly of SciPy, which is not loaded here, unless its class computes values in its own way."""
-    called = next((kind for kind in type(value).__mro__ if "__call__" in vars(kind)), object)
-    return hasattr(value, "from_spline") and hasattr(value, "extrapolate") and called.__module__.startswith("scipy.")
-
-
 def _with_splines(owner: Any) -> Any:
     """The object itself, or a copy whose splines take enclosed numbers."""
-    splines = {name: value for name, value in getattr(owner, "__dict__", {}).items() if _is_spline(value)}
+    splines = {name: value for name, value in getattr(owner, "__dict__", {}).items() if spline_of(value)}
     if not splines:
         return owner
     made = copy(owner)
@@ -282,6 +276,18 @@ class _Numpy(ModuleType):
     def interp(x: Any, *points: Any, **options: Any) -> Any:
         """numpy.interp, which enclosed numbers have at a single number."""
         return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
+
+    @staticmethod
+    def digitize(x: Any, *bins: Any, **options: Any) -> Any:
+        """numpy.digitize, also at a single enclosed number."""
+        return (bin_of if isinstance(x, Enclosed) else np.digitize)(x, *bins, **options)
+
+    @staticmethod
+    def searchsorted(a: Any, v: Any, *side: Any, **options: Any) -> Any:
+        """numpy.searchsorted, also at a single enclosed number."""
+        return (
+            sorted_place(a, v, *side, **options) if isinstance(v, Enclosed) else np.searchsorted(a, v, *side, **options)
+        )
 
     class _Linalg(ModuleType):
         """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm of a vector only."""

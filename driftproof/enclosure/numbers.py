@@ -16,13 +16,11 @@ from numbers import Rational
 from typing import Any, cast
 
 import numpy as np
-from flint import arb, arb_series, ctx
+from flint import arb, arb_series
 
-from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, analytic
+from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero
+from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of, times
 from driftproof.methods.number_field import dyadic
-
-# More terms than numbers up to 40 need; wider ranges come from steps that are too long.
-_MOST_TERMS = 300
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
@@ -93,7 +91,7 @@ class Enclosed:
         for argument, rule in rules:
             if argument.partials is not None:
                 factor = rule()
-                terms = tuple(_times(factor, d) for d in argument.partials)
+                terms = tuple(times(factor, d) for d in argument.partials)
                 partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
         return Enclosed(self.evaluation, value, partials)
 
@@ -133,7 +131,7 @@ class Enclosed:
 
     @_lifts_other
     def __truediv__(self, o: Enclosed) -> Enclosed:
-        inverse = _inverse(o.value)
+        inverse = inverse_of(o.value)
         if isinstance(inverse, arb) and not inverse.is_finite() and self.value.contains(0):
             raise ZeroByZero("f divides a number that may be 0 by one that may be 0")
         value = self.value * inverse
@@ -164,7 +162,7 @@ class Enclosed:
             return 1 / self._whole_power(-n)
         if n == 0:
             return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
-        before = _power(self.value, n - 1)
+        before = power_of(self.value, n - 1)
         return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
     __gt__, __lt__, __ge__, __le__ = map(_compares, ("gt", "lt", "ge", "le"))
@@ -186,7 +184,7 @@ class Enclosed:
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
         said = "f converts a number to a float; use functions of NumPy or math, not float(), and make arrays in f"
-        raise Refused(f"{said}; of SciPy's splines those of the class PPoly have an enclosure, such as CubicSpline")
+        raise Refused(f"{said}; SciPy's splines in one variable have an enclosure where f calls them by their name")
 
     __index__ = __complex__ = cast(Any, __float__)
 
@@ -271,8 +269,8 @@ class Enclosed:
 
     def __getattr__(self, name: str) -> Callable[[], Enclosed]:
         """A function of the tables below: numpy.sin(x) calls x.sin()."""
-        if name in _ANALYTIC:
-            return lambda: self._analytic(*_ANALYTIC[name])
+        if name in ANALYTIC:
+            return lambda: self._analytic(*ANALYTIC[name])
         if name in _BY_OTHERS:
             return lambda: _BY_OTHERS[name](self)
         if isinstance(getattr(np, name, None), np.ufunc):  # not an AttributeError, which f may catch
@@ -285,7 +283,7 @@ class Enclosed:
 
     def exprel(self) -> Enclosed:
         """(exp x - 1)/x, 1 at 0."""
-        return self._with_chain_rule(_exprel(self.value), (self, lambda: _exprel(self.value, slope=True)))
+        return self._with_chain_rule(exprel_of(self.value), (self, lambda: exprel_of(self.value, slope=True)))
 
     def heaviside(self, at_zero: Any) -> Any:
         """0 below 0, 1 above, `at_zero` at 0."""
@@ -302,24 +300,19 @@ class Enclosed:
 
     @_lifts_other
     def arctan2(self, x: Enclosed) -> Any:
-        """The angle of the point (x, self), if it is known that x > 0, or the signs of both coordinates are known."""
-        if x > 0:
-            return (self / x).arctan()
-        half_turn = Enclosed(self.evaluation, arb.pi())
-        return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
+        """The angle of the point (x, self), which jumps where x < 0 and self = 0."""
+        certain, half_turn = self.evaluation.is_positive, Enclosed(self.evaluation, arb.pi())
+        right = x > 0
+        above = right or self >= 0
+        away = x if right else -x
+        near_axis = certain((away - self).value) and certain((away + self).value)
+        for side in () if near_axis else (1, -1):  # from the other axis
+            if certain((side * self).value):
+                return side * half_turn / 2 - (x / self).arctan()
+        angle = (self / x).arctan()
+        return angle if right else angle + half_turn if above else angle - half_turn
 
 
-# NumPy's names of functions; FLINT's, and the derivative from the argument and the value.
-_ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
-    "sin": ("sin", lambda x, _: x.cos()),
-    "cos": ("cos", lambda x, _: -x.sin()),
-    "exp": ("exp", lambda _, y: y),
-    "log": ("log", lambda x, _: _inverse(x)),
-    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y, "takes the root of a number that may be 0")),
-    "arctan": ("atan", lambda x, _: _inverse(1 + x * x)),
-    "arcsin": ("asin", lambda x, _: _inverse(analytic("sqrt", 1 - x * x))),
-    "arccos": ("acos", lambda x, _: -_inverse(analytic("sqrt", 1 - x * x))),
-}
 # Functions in terms of others; the number itself is its conjugate, since it is real.
 _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "tan": lambda x: x.sin() / x.cos(),
@@ -338,55 +331,6 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     **dict.fromkeys(("radians", "deg2rad"), lambda x: x * Enclosed(x.evaluation, arb.pi() / 180)),
     **dict.fromkeys(("degrees", "rad2deg"), lambda x: x * Enclosed(x.evaluation, 180 / arb.pi())),
 }
-
-
-def _exprel(x: Value, *, slope: bool = False) -> Value:
-    """(exp x - 1)/x or its derivative; near 0 by Σ xᵏ/(k + 1)!, whose rest is bounded in balls and models.
-
-    Series need no bound: they make the polynomial of a step, whose defect is then bounded.
-    """
-    ball, model = isinstance(x, arb), hasattr(x, "norm")
-    centre = x if ball else x.coefficient(0) if model else x[0]
-    if abs(centre) > 1:
-        whole, inverse = x.exp(), _inverse(x)
-        first = (whole - 1) * inverse
-        return (whole - first) * inverse if slope else first
-    reach = arb((x.norm if model else abs(centre)).abs_upper())
-    terms, rest = 1, reach * reach.exp()
-    while not rest < arb(2) ** -ctx.prec:
-        terms += 1
-        rest = rest * reach / terms
-        if terms > _MOST_TERMS:
-            raise Refused("f takes exprel of a number in a wide range")
-    if not (ball or model):
-        terms += ctx.cap
-    factors = [arb(k + 1 if slope else 1) / arb(k + 1 + slope).fac() for k in range(terms)]
-    total = x * 0
-    for c in reversed(factors):
-        total = total * x + c
-    return total + arb(0, rest.upper()) if ball else total.within(rest) if model else total
-
-
-def _power(x: Value, n: int) -> Value:
-    """x^n by squaring; python-flint takes the logarithm of a ball or series, which fails where x may be 0."""
-    if n == 0:
-        return arb(1)
-    result = x
-    for bit in f"{n:b}"[1:]:
-        result = result * result * x if bit == "1" else result * result
-    return result
-
-
-def _times(factor: Value, d: Value) -> Value:
-    """The product; a derivative that is the integer 0 costs nothing."""
-    return factor * d if not isinstance(d, int) or d else 0
-
-
-def _inverse(x: Value, does: str = "divides by a number that may be 0") -> Value:
-    try:
-        return 1 / x
-    except (ValueError, ZeroDivisionError):
-        raise Refused(f"f {does}") from None
 
 
 # What returns one of its arguments, which may be a constant: it stays exact in what f makes of it.

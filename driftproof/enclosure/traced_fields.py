@@ -63,6 +63,10 @@ class _Tracing(Branching):
         """The outcome of this run, the same each time that f asks."""
         return self.outcome(greater.text, less.text, at_zero)
 
+    def is_positive(self, x: Traced) -> bool:
+        """False: of a name nothing is certain."""
+        return False
+
 
 class Traced:
     """The text of a value. `divisor` is d if the text is 1/d, so that a quotient is written as one division."""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from flint import arb, ctx
-from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
 from driftproof import certify
 from driftproof.enclosure import solutions, stiff
@@ -20,12 +18,8 @@ from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.integrals import END, integral, off
 from tests.enclosure.mutants import mutant
-
-END = Fraction(5)
-KNOTS, DATA = [0.5, 1.0, 2.25, 4.0], [1.0, -0.75, 2.0, 0.3]
-CUBIC, PCHIP = CubicSpline(KNOTS, DATA), PchipInterpolator(KNOTS, DATA)
-PERIODIC = CubicSpline(KNOTS, [1.0, -0.75, 2.0, 1.0], bc_type="periodic")
 
 # y' = f(t); the times where f or a derivative jumps; f(t) between two of them, in Fractions.
 JUMPS = {
@@ -65,21 +59,6 @@ JUMPS = {
 }
 
 
-def integral(f, cuts):
-    """The integral of a piecewise cubic from 0 to the end, by Simpson's rule, which is exact for it."""
-    total = Fraction(0)
-    for a, b in pairwise([Fraction(0), *map(Fraction, cuts), END]):
-        near, middle = (b - a) * Fraction(1, 10**30), (a + b) / 2
-        total += (b - a) * (4 * f(middle) + f(a + near) + f(b - near)) / 6
-    return total
-
-
-def off(found, exact):
-    """How far the last value is from a Fraction."""
-    with ctx.workprec(160):
-        return abs(found.states[-1][0] - enclose(exact))
-
-
 @pytest.mark.parametrize("name", JUMPS)
 def test_integral_of_what_jumps_is_enclosed(name):
     f, cuts, exact = JUMPS[name]
@@ -88,94 +67,6 @@ def test_integral_of_what_jumps_is_enclosed(name):
     assert found.radius < 1e-30
     # The ends of the pieces are taken 1e-30 of their lengths inside, where slopes are below 10.
     assert off(found, integral(exact, cuts)) < 1e-28
-
-
-def lines(t):
-    """What numpy.interp gives, from the points themselves."""
-    for (a, b), (u, v) in zip(pairwise(map(Fraction, KNOTS)), pairwise(map(Fraction, DATA)), strict=True):
-        if a <= t <= b:
-            return u + (v - u) * (t - a) / (b - a)
-    return Fraction(DATA[0] if t < KNOTS[0] else DATA[-1])
-
-
-def polynomial(spline, t):
-    inside = min(max(sum(t >= Fraction(x) for x in KNOTS) - 1, 0), len(KNOTS) - 2)
-    powers = [(t - Fraction(KNOTS[inside])) ** k for k in (3, 2, 1, 0)]
-    return sum(Fraction(float(c)) * x for c, x in zip(spline.c[:, inside], powers, strict=True))
-
-
-class Driven:
-    """Data that belong to an object."""
-
-    def __init__(self):
-        self.spline, self.gain = CUBIC, 1
-
-    def __call__(self, t, y):
-        return [self.gain * self.spline(t)]
-
-    def rates(self, t, y):
-        return self(t, y)
-
-
-def folded(t):
-    return Fraction(1, 2) + (t - Fraction(1, 2)) % Fraction(7, 2)
-
-
-DATA_OF = {
-    "interp": (lambda t: np.interp(t, KNOTS, DATA), KNOTS, lines),
-    "interp of a period": (
-        lambda t: np.interp(t, [4.25, 1.0], [0.0, 1.0], period=-2),
-        [Fraction(k, 4) for k in (1, 4, 9, 12, 17)],
-        lambda t: (t - Fraction(1, 4)) % 2 * 4 / 3 if (t - Fraction(1, 4)) % 2 < 0.75 else (9 - 4 * t) % 8 / 5,
-    ),
-    "interp with ends": (
-        lambda t: np.interp(t, KNOTS, DATA, left=7.0, right=2.0),
-        KNOTS,
-        lambda t: 7 if t < KNOTS[0] else 2 if t > KNOTS[-1] else lines(t),
-    ),
-    "cubic": (lambda t: CUBIC(t), KNOTS, lambda t: polynomial(CUBIC, t)),
-    "pchip": (lambda t: PCHIP(t), KNOTS, lambda t: polynomial(PCHIP, t)),
-    "an object's": (Driven(), KNOTS, lambda t: polynomial(CUBIC, t)),
-    "a method's": (Driven().rates, KNOTS, lambda t: polynomial(CUBIC, t)),
-    "periodic": (lambda t: PERIODIC(t), [*KNOTS, 4.5], lambda t: polynomial(PERIODIC, folded(t))),
-}
-
-
-@pytest.mark.parametrize("name", DATA_OF)
-def test_integral_of_measured_data_is_enclosed(name):
-    f, cuts, exact = DATA_OF[name]
-    rates = f if isinstance(f, Driven) or hasattr(f, "__self__") else lambda t, y: [f(t)]
-    found = enclose_solution(rates, [Fraction(0)], [Fraction(0), END])
-    assert off(found, integral(exact, cuts)) < 1e-28
-    assert found.doubles == ()
-
-
-def test_derivative_of_a_spline_is_that_of_its_pieces():
-    found = enclose_solution(lambda t, y: [CUBIC(t, 1)], [Fraction(0)], [Fraction(1), Fraction(4)])
-    whole = Fraction(0)
-    for i in (1, 2):
-        c, width = [Fraction(float(x)) for x in CUBIC.c[:, i]], Fraction(KNOTS[i + 1]) - Fraction(KNOTS[i])
-        whole += ((c[0] * width + c[1]) * width + c[2]) * width
-    assert off(found, whole) < 1e-30
-
-
-class Positive(CubicSpline):
-    def __call__(self, x, *more):
-        return np.maximum(super().__call__(x, *more), 0.0)
-
-
-def test_splines_of_other_rules_are_refused():
-    wrong = PPoly(np.array([[1.0, -1.0], [0.0, 1.0]]), [2.0, 1.0, 0.0])
-    of_complex, positive = PPoly(np.array([[1j], [1.0]]), [0.0, 5.0]), Positive(KNOTS, DATA)
-    for said, f in (
-        ("converts a number to a float", lambda t, y: [positive(t)]),
-        ("f uses complex data", lambda t, y: [abs(np.interp(t, [0, 5], [1j, 1]))]),
-        ("f uses complex data", lambda t, y: [abs(of_complex(t))]),
-        ("whose knots decrease", lambda t, y: [wrong(t)]),
-        ("an integral of a spline", lambda t, y: [CUBIC(t, -1)]),
-    ):
-        with pytest.raises(Refused, match=said):
-            enclose_solution(f, [Fraction(0)], [Fraction(1), END])
 
 
 def switched(t, y):
@@ -289,14 +180,6 @@ def test_zero_of_another_function_of_time_is_crossed():
     found = enclose_solution(lambda t, y: [1.0 if np.sin(t) > 0 else 0.0], [Fraction(0)], [Fraction(1), END])
     with ctx.workprec(160):
         assert found.states[-1][0].contains(arb.pi() - 1)
-
-
-def test_spline_is_refused_beyond_ends_where_it_is_not_a_number():
-    inside = CubicSpline(KNOTS, DATA, extrapolate=False)
-    f = lambda t, y: [inside(t)]
-    assert enclose_solution(f, [Fraction(0)], [Fraction(1, 2), Fraction(4)]).steps >= 3
-    with pytest.raises(Refused, match="beyond its ends"):
-        enclose_solution(f, [Fraction(0)], [Fraction(1, 2), END])
 
 
 def test_jumps_one_rounding_apart_are_two_steps():

@@ -7,8 +7,8 @@ from flint import acb, acb_poly, arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure import models
 from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.functions import exprel_of
 from driftproof.enclosure.models import TaylorModel, value_at
-from driftproof.enclosure.numbers import _exprel
 from tests.enclosure.mutants import mutant
 
 LENGTH = 12
@@ -113,7 +113,7 @@ def test_exprel_of_a_model_is_held_on_the_disc_also_where_it_is_0_by_0(curve, ta
         model, x = TaylorModel(coefficients, LENGTH, arb(tail)), acb_poly([*coefficients, tail])
         exprel = lambda z: (z.exp() - 1) / z
         for slope, theirs in ((False, exprel), (True, lambda z: (z.exp() - exprel(z)) / z)):
-            found = _exprel(model, slope=slope)
+            found = exprel_of(model, slope=slope)
             points = [(acb(0, arb.pi() * (k + 0.5) / 6)).exp() for k in range(12)]
             away = [abs(theirs(x(z)) - acb_poly(found.polynomial.coeffs())(z)) for z in points]
             assert not any(each > found.tail for each in away)
