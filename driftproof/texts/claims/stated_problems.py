@@ -27,7 +27,8 @@ _MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 
 _MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^√]|\.[0-9])"
-_VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
+_ROOT = r"(?:√|sqrt ?)\(?[0-9]+(?:\.[0-9]+)?(?:/[0-9]+)?\)?"
+_VALUE = rf"-?(?:[0-9]+ ?[*·/]? ?)?(?:pi|{_ROOT})(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
 _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
     rf"(?:(?<![\w/])(?:h|dt|Δt) ?[=∈≈]|(?:[Ss]tep ?sizes?(?: of)?|[Ss]teps of)(?: ?[=∈≈])?) ?[{{(]?({_LIST})"
@@ -163,7 +164,9 @@ def unread_equation(text: str) -> tuple[int, str, str] | None:
                 return start, text[start:end].strip(), f"{word} is given no value"
     for problem in _problems(text):
         for name in problem.without_start:
-            return problem.at, f"{name}'={problem.rates[name]}", f"no start is given, such as {name}(0) = 1"
+            of = next((f"{other}'" for other, rate in problem.rates.items() if rate == name), name)
+            at = next(_EQUATION.finditer(text, problem.at)).start()
+            return at, f"{of}'={problem.rates[name]}", f"no start is read, such as {of}(0) = 1"
     other = _OTHER_DERIVATIVE.search(text)
     return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
 
@@ -206,7 +209,9 @@ def _problems(text: str) -> Iterator[_Problem]:
         if name == "t" or name in FUNCTIONS or lead is None:
             continue
         is_second = match["second"] or match["dd"]
-        if systems and not is_second and {name, f"d{name}"} & {*systems[-1][1]} and _ALONE.match(match["rate"]):
+        base = re.sub("_?[0-9]$", "", name)  # theta_1', the slope after a step
+        others = chain(*(of for _, of, _ in (systems if base != name else systems[-1:])))
+        if not is_second and {base, f"d{base}"}.intersection(others) and _ALONE.match(match["rate"]):
             continue  # x' = 0, a slope or the velocity at the start of x'' = F(x)
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
         if not (systems and near and name not in systems[-1][1]):
