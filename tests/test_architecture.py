@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4018,
     "blackbox": 22074,
     "enclosure": 4899,
-    "texts": 10097,
+    "texts": 10116,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5929
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
