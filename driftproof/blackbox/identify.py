@@ -42,7 +42,7 @@ from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, MAP, S
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS, entry_named
 from driftproof.methods.families import Family
-from driftproof.methods.tableau_file import subject_of
+from driftproof.methods.given_methods import subject_of
 from driftproof.support.plain_text import Json
 
 # Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.

@@ -28,8 +28,8 @@ from driftproof.blackbox.report import Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
+from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import method_of, subject_of
 from driftproof.support.assertions import AssertedVerdict, RemarkWarning, assert_verdict, time_limit_of_test
 from driftproof.symbolic.rounding.formats import BINARY64
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene

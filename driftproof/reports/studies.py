@@ -9,8 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from driftproof.enclosure.problem_tables import GivenParameters
+from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.rationals import ExactNumber
-from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import progress_bar

@@ -7,7 +7,7 @@ import pytest
 import driftproof
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.expressions import parse_system
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 
 DAMPED = "0 1; -1 -1/10"

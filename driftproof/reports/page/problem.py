@@ -8,7 +8,7 @@ from functools import partial
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.field_text import choices_as_functions
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene
