@@ -284,7 +284,8 @@ def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
 
 
 def _distance(a: _Row, b: _Row) -> arb:
-    return sum(((x - y) ** 2 for x, y in zip(a, b, strict=True)), arb(0)).nonnegative_part().sqrt()
+    differences = [x - y for x, y in zip(a, b, strict=True)]  # balls that hold 0 have no power in python-flint
+    return sum((d * d for d in differences), arb(0)).nonnegative_part().sqrt()
 
 
 def _enclosed(x: CertifiableReal) -> Answer:
