@@ -89,8 +89,7 @@ def identify(
 
 def _identified_table(name: str) -> Report:
     """Which method of the catalogue the table in a file is, its order, and the orders that it claims and lacks."""
-    from driftproof.symbolic.claimed_orders import unreached_orders
-    from driftproof.symbolic.facts import stated_order
+    from driftproof.symbolic.claimed_orders import stated_order, unreached_orders
     from driftproof.symbolic.known_methods import known_as
 
     method = subject_of(name)

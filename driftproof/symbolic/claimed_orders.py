@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from typing import Any, NamedTuple
 
-from driftproof.methods.catalogue import Entry
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
@@ -59,6 +59,29 @@ def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[U
         if not any(_unreached(each, embedded, tolerance) for each, embedded in _claims(turned)):
             missed[0] = missed[0]._replace(remark=f"{missed[0].remark}; {words}")
     return missed
+
+
+def stated_order(method: Entry) -> int:
+    """The order that the method claims, if it reaches that, or else the one that it has."""
+    if not method.claimed_order:
+        return int(derived(method).order)
+    return next((found.order for found in false_claims(method) if not found.embedded), method.claimed_order)
+
+
+def false_claims(method: Entry) -> list[UnreachedOrder]:
+    """`unreached_orders` of a method of the user's own; those of the catalogue are tested to have none."""
+    return [] if method in (METHODS.get(method.key), FACTS_ONLY.get(method.key)) else unreached_orders(method)
+
+
+def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
+    """`stated_order` of each method, by key.
+
+    >>> from driftproof.methods.catalogue import METHODS
+    >>> from driftproof.symbolic.claimed_orders import stated_orders
+    >>> stated_orders([METHODS["rk4"]])
+    {'rk4': 4}
+    """
+    return {method.key: stated_order(method) for method in methods}
 
 
 def _exchanged(method: Any) -> Iterator[tuple[str, Entry]]:

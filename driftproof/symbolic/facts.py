@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -263,26 +263,6 @@ def general_order(method: Method) -> OrderFact[Any]:
     if isinstance(method, Collocation):
         return order_conditions.order(method)  # by its quadrature formula
     return order_conditions.order_of(general_conditions(method))
-
-
-def stated_order(method: Entry) -> int:
-    """The order that the method claims, or else the derived one."""
-    if method.claimed_order:
-        return method.claimed_order
-    if isinstance(method, FactsOnly):
-        return int(facts_only(method, ("order",))["order"])
-    return general_order(method).order
-
-
-def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
-    """`stated_order` of each method, by key.
-
-    >>> from driftproof.methods.catalogue import METHODS
-    >>> from driftproof.symbolic.facts import stated_orders
-    >>> stated_orders([METHODS["rk4"]])
-    {'rk4': 4}
-    """
-    return {method.key: stated_order(method) for method in methods}
 
 
 def order_within(method: str | Path | Method, tolerance: ExactNumber) -> OrderWithin:

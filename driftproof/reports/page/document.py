@@ -169,7 +169,7 @@ def _table(shown: _Shown) -> str:
 
 def _work_precision(shown: _Shown) -> str:
     from driftproof.reports.page.work import work_curves, work_figure, work_table
-    from driftproof.symbolic.facts import stated_orders
+    from driftproof.symbolic.claimed_orders import stated_orders
 
     found, stated = work_curves(shown.scene), stated_orders(map(method_of, shown.scene.every_method))
     figure = work_figure(found, shown.identity, shown.scene.t, shown.scene.steps).markup()

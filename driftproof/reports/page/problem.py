@@ -21,7 +21,7 @@ from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
 from driftproof.reports.user_problem import kinks_of
-from driftproof.symbolic.facts import stated_orders
+from driftproof.symbolic.claimed_orders import stated_orders
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
