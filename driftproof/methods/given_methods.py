@@ -46,7 +46,9 @@ def methods_of(given: GivenMethods) -> list[Entry]:
     Raises ValueError.
     """
     found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
-    return found if any(isinstance(each, Method) for each in found) else [*map(of_one_state, found)]
+    if not any(isinstance(each, Method) for each in found):
+        method_of(_each(given)[0])  # raises
+    return found
 
 
 _GIVE, _FIRST = "give a key, a .toml file, or a method", "; what is examined comes first"
