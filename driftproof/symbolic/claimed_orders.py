@@ -127,8 +127,9 @@ def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> Unr
         if max(_but_for_rounding(replace(method, decimal=True))) >= claimed:
             remark = "; decimal = true says that its coefficients are rounded, which explains that"
         elif within and small < Fraction(1, 100) and within(small).order == claimed:
-            size = scientific(abs(residual), RESIDUAL_DIGITS, AWAY)
+            size, most = scientific(abs(residual), RESIDUAL_DIGITS, AWAY), scientific(small, 1, AWAY)
             remark = f": a condition fails by {size}, more than its digits explain"
+            remark += f"; `facts --order-tolerance {most}` allows that"
     return UnreachedOrder(method, embedded, reached, remark)
 
 
