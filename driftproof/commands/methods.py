@@ -89,8 +89,9 @@ def facts_command(options: Namespace) -> str:
         cli.refuse(options, ("picture",), "without --plot")
     else:
         if not isinstance(sheet, MethodFacts):
-            member = "of a family, --at chooses it; else `driftproof facts` works without --plot"
-            raise ValueError(f"--plot takes one method that steps one state by f: {member}")
+            raise ValueError(
+                "--plot takes one method of one step, without --system; a member of a family is chosen by --at"
+            )
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)
