@@ -89,9 +89,8 @@ def facts_command(options: Namespace) -> str:
         cli.refuse(options, ("picture",), "without --plot")
     else:
         if not isinstance(sheet, MethodFacts):
-            raise ValueError(
-                "--plot takes one method of one step, without --system; a member of a family is chosen by --at"
-            )
+            takes = "--plot takes one method of one step, without --system; --at chooses a member of a family"
+            raise ValueError(f"{takes}; `driftproof facts` without --plot has the facts of all")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)

@@ -163,8 +163,9 @@ def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
 
 
 def _table(shown: _Shown) -> str:
-    rows = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
-    return html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
+    rows, remarks = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
+    compared = html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
+    return compared + "".join(element("p", escaped(remark)) for remark in remarks)
 
 
 def _work_precision(shown: _Shown) -> str:

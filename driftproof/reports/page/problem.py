@@ -72,7 +72,10 @@ def _scene(scene: Scene) -> str:
     else:
         rows = [["", method_of(scene.selected).title], *readout_rows(readouts, scene.problem)]
         said = html_table(rows, at) if readouts else ""
-    return said + (html_table(comparison_rows(shown["table"]), f"All methods, {at}") if "table" in shown else "")
+    if "table" not in shown:
+        return said
+    rows, remarks = comparison_rows(shown["table"])
+    return "".join([said, html_table(rows, f"All methods, {at}"), *(element("p", escaped(x)) for x in remarks)])
 
 
 def _setting(problem: Problem) -> str:
