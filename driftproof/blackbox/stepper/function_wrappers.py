@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper.calling_conventions import (
+    BODY_LISTS,
     CARRIED,
     COUNTS,
     FIELD,
@@ -44,7 +45,6 @@ from driftproof.blackbox.stepper.calling_conventions import (
     stand_in,
     word_of,
 )
-from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
 _MOST_OPEN = 2

@@ -15,6 +15,7 @@ import numpy as np
 
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
+    BODY_LISTS,
     FIELD,
     FORCE,
     FUNCTION,
@@ -57,7 +58,6 @@ from driftproof.blackbox.stepper.function_wrappers import (
     run_of_steps,
     takes_force,
 )
-from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")

@@ -33,12 +33,13 @@ from driftproof.blackbox.stepper.array_adapters import (
     as_array,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.named_forms import named_forms
-from driftproof.blackbox.stepper.plain_forms import Numbers, plain_forms
+from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
@@ -125,8 +126,9 @@ def opened(
         for trial, adapter in product(TRIALS.get(convention.kind, (one_step,)), adapters)
     )
     found = first_of(trials)
-    doubtful = not found or found.convention.kind == calling.MAP
-    if doubtful and calls in (None, calling.MAP) and array is None and (form := _of_more_numbers(step, conventions[0])):
+    doubtful = calls in (None, calling.MAP) and array is None
+    doubtful &= not found or found.convention.kind == calling.MAP
+    if doubtful and (form := form_of_more_numbers(step, conventions[0])):
         return opened(form, None, None, before, after)
     if found and not _stands_still(found):
         alone = (
@@ -169,19 +171,6 @@ def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
             if np.allclose(end, TRIAL_STATE[: len(end)], rtol=0, atol=NEAR):
                 return found
     raise WrongShape("a short step does not leave its state where it is")
-
-
-def _of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
-    """The form of a step that returns, by their values, more of its arguments than those that names make its state.
-
-    Only a step that takes something besides a state is tried, as a copy, so that a step does not notice it.
-    """
-    doubtful = found.kind in (calling.MAGNETIC, calling.ROTATION) or (found.kind == calling.MAP and found.extra)
-    if not doubtful or (copy := fresh_copy(step)) is None or (numbers := Numbers.of(copy)) is None:
-        return None
-    roles = (calling.POSITION, calling.VELOCITY, calling.STATE)
-    states = {name for role, name in found.named(step) if role in roles}
-    return replace(numbers, step=step).form if states < {*numbers.names} else None
 
 
 def _stands_still(subject: ForeignStepper) -> bool:
