@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
+from driftproof.blackbox.stepper.wrapper_parts import (
     TRIAL_ARGUMENTS,
     arguments_by_role,
     call_by_names,

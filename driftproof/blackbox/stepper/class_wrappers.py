@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
+from driftproof.blackbox.stepper.run_wrappers import run_wrapper
+from driftproof.blackbox.stepper.wrapper_parts import (
     HEADS,
     arguments_by_role,
     function_of,
     name_of,
     plain_role,
     run_of_steps,
-    run_wrapper,
     stated_first,
 )
 

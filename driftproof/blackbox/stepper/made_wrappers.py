@@ -42,7 +42,7 @@ from driftproof.blackbox.stepper.class_wrappers import (
     public_methods,
     put_wrapper,
 )
-from driftproof.blackbox.stepper.function_wrappers import (
+from driftproof.blackbox.stepper.wrapper_parts import (
     BEFORE,
     FIRST_STEP_UNTIMED,
     HEADS,

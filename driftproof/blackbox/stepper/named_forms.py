@@ -11,14 +11,8 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
-    TRIAL_ARGUMENTS,
-    arguments_by_role,
-    called_functions,
-    gradients_of,
-    is_before,
-    plain_role,
-)
+from driftproof.blackbox.stepper.function_wrappers import called_functions, gradients_of
+from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, is_before, plain_role
 
 # A decay so fast that a long step of it grows, unless it is solved for.
 _STIFF, _GROWN = 2.0**10, 2.0
