@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -259,16 +259,13 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
     times = zip(rest[1:], ("before", "after"), strict=True)
     when = next((f": those of half a step {word}" for (seen, _), word in times if (seen or 0) >= order), "")
     meant = None if when else False
-    if _are_differences(course(subject, problem, START, problem.start(START), _SHORT, MANY), problem.positions):
+    # Are they the differences of the positions over its short step, to the last bit?
+    n, states = problem.positions, course(subject, problem, START, problem.start(START), _SHORT, MANY)
+    pairs = [zip(a, b[:n], b[n:], strict=False) for a, b in pairwise(states)]
+    if all((after - before) / _SHORT == v for each in pairs for before, after, v in each):
         meant, when = True, ": differences of positions"
     words = f"{order_seen(rest[0][0])} in its velocities{when} (slopes: {slopes_text(rest[0][1])})"
     return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words, words, meant)
-
-
-def _are_differences(states: Sequence[Sequence[AnyNumber]], positions: int) -> bool:
-    """True if the velocities of a run are the differences of its positions over its short step, to the last bit."""
-    pairs = [zip(a, b[:positions], b[positions:], strict=False) for a, b in pairwise(states)]
-    return all((after - before) / _SHORT == v for each in pairs for before, after, v in each)
 
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:

@@ -66,7 +66,9 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     subject = _unscaled(subject)
     estimate, reading = read_estimate(subject), read_tableau(subject)
     propagated = read_order(reading).order
-    lines = [f"besides y1 it returns {estimate.form}: e = {_shown(estimate)}"]
+    most, pairs = Rounding(estimate.format, len(estimate.row)).of(1.0), zip(estimate.row, estimate.sizes, strict=True)
+    entries = (coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
+    lines = [f"besides y1 it returns {estimate.form}: e = {', '.join(entries)}"]
     if not any(estimate.row):
         return JudgedEstimate(0, propagated, None, None, tuple(lines), ("the error estimate is always 0",))
     if estimate.relative:
@@ -125,12 +127,6 @@ def _other_order(estimate: EstimateReading, reading: TableauReading, factor: flo
     pairs = zip(reading.b, estimate.row, strict=True)
     row = tuple(float(Fraction(b) - Fraction(factor) * e) for b, e in pairs)
     return read_order(replace(reading, b=row), None).order
-
-
-def _shown(estimate: EstimateReading) -> str:
-    most = Rounding(estimate.format, len(estimate.row)).of(1.0)
-    pairs = zip(estimate.row, estimate.sizes, strict=True)
-    return ", ".join(coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:

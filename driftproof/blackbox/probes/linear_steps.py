@@ -139,7 +139,10 @@ def _at_amplitude(subject: ForeignStepper, reading: LinearReading, coarse: bool 
         if found is None:
             return replace(reading, unit=unit)
         tiny, m = found
-        reading, before, unit = replace(reading, tiny=tiny, at_zero=m), unit, _unit(m, tiny)
+        reading, before = replace(reading, tiny=tiny, at_zero=m), unit
+        # The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 if they give none.
+        frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
+        unit = ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
         if unit == before:
             break
     return replace(reading, unit=unit)
@@ -196,12 +199,6 @@ def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
         found[i] = (4 * y - x) / 3 if _agree(x, y) else 0.0
     qq, qv, vq, vv = found
     return qq, qv, vq, vv
-
-
-def _unit(m: MatrixEntries, tiny: float) -> float:
-    """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 if they give none."""
-    frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
-    return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
 def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> tuple[str, float] | None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.calling_conventions import (
     BODY_LISTS,
     COUNTS,
@@ -35,17 +36,6 @@ from driftproof.blackbox.stepper.calling_conventions import (
     word_of,
 )
 from driftproof.blackbox.stepper.run_wrappers import list_wrapper, run_wrapper, two_step_run
-from driftproof.blackbox.stepper.wrapper_parts import (
-    HEADS,
-    TRIAL_ARGUMENTS,
-    arguments_by_role,
-    call_by_names,
-    is_before,
-    name_of,
-    plain_role,
-    stated_first,
-    takes_force,
-)
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
 _MOST_OPEN = 2
@@ -57,24 +47,24 @@ _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 
 def function_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function: a step with gradients of an energy, a run, a solver, or a plain step."""
-    return stated_first(_function_wrapper(step))
+    return common.stated_first(_function_wrapper(step))
 
 
 def _function_wrapper(step: Callable[..., Any]) -> str:
     if (names := names_with_step(step)) is None:
         return ""
     if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
-        return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
+        return f"identify_solver({common.name_of(step)}), on the command line --solver, for a whole solver"
     if gradients := gradients_of(names):
         rest = [each for each in names if each not in gradients]
-        return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
+        return _call(step, names, {**gradients, **common.arguments_by_role(rest, FORCE)}, FORCE)
     if line := _two_forces_wrapper(step, names):
         return line
-    roles = {plain_role(each): word_of(each) for each in names if each not in matrices(names)}
-    forced = takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
+    roles = {common.plain_role(each): word_of(each) for each in names if each not in matrices(names)}
+    forced = common.takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
-    given = arguments_by_role(names, kind)
+    given = common.arguments_by_role(names, kind)
     line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names)
     if kind == MAP and not line and (called := with_global(step)):
         line = _function_wrapper(called)
@@ -100,7 +90,7 @@ def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str
     >>> called_functions(lambda u, N, L, dt: u + dt * (N(u) + L(u)), ["u", "N", "L", "dt"])
     ['N', 'L']
     """
-    given = {**arguments_by_role(names, FIELD), **arguments_by_role(names, FORCE)}
+    given = {**common.arguments_by_role(names, FIELD), **common.arguments_by_role(names, FORCE)}
     told = (STEP, TIME, POSITION, VELOCITY, STATE)
     if "h" not in given.values() or any(role_of(each, (FUNCTION,)) for each in names):
         return []
@@ -113,7 +103,7 @@ def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str
             return 0.0 * max(x, key=np.size)
 
         with suppress(Exception):
-            values = {each: TRIAL_ARGUMENTS.get(given.get(each, ""), 1.0) for each in names}
+            values = {each: common.TRIAL_ARGUMENTS.get(given.get(each, ""), 1.0) for each in names}
             step(**values | {each: partial(asks, each) for each in chosen})
             if all(calls.values()):
                 return sorted(chosen, key=lambda name: -calls[name])
@@ -122,10 +112,10 @@ def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str
 
 def _two_forces_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     """The wrapper of a step of two forces, of which it is given the one that it calls least, and 0 for the other."""
-    roles, pair = {*map(plain_role, names)}, called_functions(step, names)
+    roles, pair = {*map(common.plain_role, names)}, called_functions(step, names)
     if not {POSITION, VELOCITY} <= roles or len(pair) != 2:
         return ""
-    given = arguments_by_role([each for each in names if each not in pair], FORCE)
+    given = common.arguments_by_role([each for each in names if each not in pair], FORCE)
     others = {x.name: x.default for x in (parameters_of(step) or {}).values()}
     counts = [each for each, x in others.items() if type(x) is int and x > 1]  # of inner steps, whose sums round more
     given, names = {**given, **dict.fromkeys(counts, "1")}, [*names, *counts]
@@ -162,7 +152,7 @@ def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
 
     def written(given: str, *arguments: str) -> str:
         given = given if plain or given == "f" else f"lambda q, *rest: {given}(q)"
-        return f'‹{name_of(step)}.__globals__["{name}"] = {given}›{name_of(step)}({", ".join(arguments)})'
+        return f'‹{common.name_of(step)}.__globals__["{name}"] = {given}›{common.name_of(step)}({", ".join(arguments)})'
 
     stand_in(replaced, step, [name, *names])
     replaced.written = written  # type: ignore[attr-defined]
@@ -195,8 +185,8 @@ def _pair_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
         if first == second and {"y[0]", "y[1]"} <= first.keys():
             time, x, v = (f"x[{first[each]}]" if each in first else each for each in ("t", "y[0]", "y[1]"))
             parts = [f"lambda *x: f({time}, numpy.array([{x}, {v}]))[{i}]" for i in (0, 1)]
-            call = call_by_names(step, names, {**given, **dict(zip(functions, parts, strict=True))})
-            return f"def wrapped({HEADS[FIELD]}): import numpy; return numpy.array({call})"
+            call = common.call_by_names(step, names, {**given, **dict(zip(functions, parts, strict=True))})
+            return f"def wrapped({common.HEADS[FIELD]}): import numpy; return numpy.array({call})"
     return ""
 
 
@@ -205,7 +195,7 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, st
     left = [each for each in names if each not in given]
     time = ", t for the time" * (kind == FIELD and len(left) == 1 and {"t", "t + h"}.isdisjoint(given.values()))
     said = f"  # write values for {', '.join(map(str.upper, left))}{time}" if left else ""
-    if len(left) == 1 and is_before(left[0]):
+    if len(left) == 1 and common.is_before(left[0]):
         if line := two_step_run(step, names, given, kind):
             return line
         said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
@@ -213,13 +203,13 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, st
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    head = HEADS[kind] if kind != FIELD or getattr(step, "timed", True) else "f, y, h"
+    head = common.HEADS[kind] if kind != FIELD or getattr(step, "timed", True) else "f, y, h"
     if kind == MAP and "[q, v]" in given.values():
         try:
-            step(**{each: TRIAL_ARGUMENTS.get(given.get(each, ""), 0.0) for each in names})
+            step(**{each: common.TRIAL_ARGUMENTS.get(given.get(each, ""), 0.0) for each in names})
         except ValueError:  # of a state of more numbers
             head, given = "y, h", {each: "y" if text == "[q, v]" else text for each, text in given.items()}
         except Exception:  # which a pasted wrapper will tell
             pass
-    call = call_by_names(step, names, {each: each.upper() for each in left} | {**given})
+    call = common.call_by_names(step, names, {each: each.upper() for each in left} | {**given})
     return f"def wrapped({head}): return {call}{said}"

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
     BODY_LISTS,
@@ -37,18 +38,6 @@ from driftproof.blackbox.stepper.class_wrappers import (
     public_methods,
     put_wrapper,
 )
-from driftproof.blackbox.stepper.wrapper_parts import (
-    BEFORE,
-    HEADS,
-    WITH_SPEEDS,
-    arguments_by_role,
-    function_of,
-    is_before,
-    name_of,
-    plain_role,
-    run_of_steps,
-    takes_force,
-)
 
 # The usual names of a method that makes a step, and of one that is given a force.
 ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
@@ -74,12 +63,12 @@ def making(cls: type, kind: str, made: Any = None) -> str:
     Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
     those of some start for a state.
     """
-    names, name = required_names(cls) or [], name_of(cls)
-    taken = function_of(kind) * bool(function_argument(cls))
+    names, name = required_names(cls) or [], common.name_of(cls)
+    taken = common.function_of(kind) * bool(function_argument(cls))
     if len(names) == bool(taken) and not has_gradient(names):
         return name
     kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
-    given = {each: _AT_REST.get(text, text) for each, text in arguments_by_role(names, kind).items()}
+    given = {each: _AT_REST.get(text, text) for each, text in common.arguments_by_role(names, kind).items()}
     given |= {each: "1.0" for each in names if each not in given and word_of(each) in UNIT_PARAMETERS}
     arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
@@ -93,7 +82,7 @@ def _two_positions_wrapper(cls: type, advance: str) -> str:
     with suppress(Exception):
         names, function = required_names(cls) or [], function_argument(cls)
         kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
-        before = next(each for each in kept if is_before(each))
+        before = next(each for each in kept if common.is_before(each))
         q = next(each for each in kept if role_of(each, (POSITION,)))
         if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
             return ""
@@ -102,14 +91,20 @@ def _two_positions_wrapper(cls: type, advance: str) -> str:
         put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
         force = f"lambda p, *rest: {put(f'force(p{first})')}"
         start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(BEFORE)}; "
+        begin = f"made = {common.name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
         push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
         push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
         if not (push or function):
             return ""
         pushed = "" if function else f"{push}force(made.{q}{first})), "
         later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
-        return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+        return common.run_of_steps(
+            common.HEADS[FORCE],
+            f"{common.BEFORE}, q",
+            later,
+            begin,
+            found=common.WITH_SPEEDS.format("ys[1:]", "ys[2:]"),
+        )
     return ""
 
 
@@ -121,7 +116,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
     if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
         return _numbers_wrapper(cls, made, advance, moved)
-    if not (q and v) and (not state or takes_force([function_argument(cls)])):
+    if not (q and v) and (not state or common.takes_force([function_argument(cls)])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
     if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
@@ -131,7 +126,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', attribute_of(made, STEP)
-    taken = ["h" if plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
+    taken = ["h" if common.plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
     if size and "h" not in taken:
         act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
     elif "0.0" in taken:
@@ -142,7 +137,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
 def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
     """The step of an object, made anew, whose system is built in, of the numbers that its step moves."""
     taken, size = _taken_by(made, advance), attribute_of(made, STEP)
-    call = ", ".join("h" if plain_role(each) == STEP else "0.0" for each in taken)
+    call = ", ".join("h" if common.plain_role(each) == STEP else "0.0" for each in taken)
     put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
     places = ", ".join(f"made.{each}" for each in moved)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
@@ -159,10 +154,14 @@ def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] 
         moved = deepcopy(made)
         known = {each: x for each, x in attributes_of(moved).items() if isinstance(x, float | np.ndarray)}
         for i, (each, x) in enumerate(known.items()):
-            setattr(moved, each, _SHORT if plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
+            setattr(moved, each, _SHORT if common.plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
         before = {each: copy(getattr(moved, each)) for each in known}
-        getattr(moved, advance)(*[_SHORT if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
-        rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
+        getattr(moved, advance)(
+            *[_SHORT if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
+        )
+        rates = {
+            each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if common.plain_role(each) != TIME
+        }
         rates = {each: rate for each, rate in rates.items() if np.any(rate)}
         others = product(rates.items(), before.items())
         pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
@@ -175,7 +174,9 @@ def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
     """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
     with suppress(Exception):
         moved, kept = deepcopy(made), attributes_of(made)
-        getattr(moved, advance)(*[0.25 if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
+        getattr(moved, advance)(
+            *[0.25 if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
+        )
         pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
         return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
     return None
@@ -212,7 +213,7 @@ def world_wrapper(cls: type) -> str:
 
 def further_names(cls: type, advance: str) -> list[str]:
     """What a method of a class needs besides its object and the step size."""
-    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if plain_role(each) != STEP]
+    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if common.plain_role(each) != STEP]
 
 
 def advance_of(cls: type) -> str:

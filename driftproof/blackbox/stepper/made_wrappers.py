@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
@@ -34,22 +35,6 @@ from driftproof.blackbox.stepper.class_wrappers import (
     public_methods,
 )
 from driftproof.blackbox.stepper.kept_state_wrappers import ADVANCES, advance_of, kept_state_wrapper
-from driftproof.blackbox.stepper.wrapper_parts import (
-    BEFORE,
-    FIRST_STEP_UNTIMED,
-    HEADS,
-    TRIAL_ARGUMENTS,
-    WITH_SPEEDS,
-    arguments_by_role,
-    function_of,
-    is_before,
-    kind_by_names,
-    later_arguments,
-    name_of,
-    plain_role,
-    run_of_steps,
-    takes_force,
-)
 
 # A right-hand side that is given inputs after its state.
 _OF_STATE = "lambda y, *rest: f(y)"
@@ -66,7 +51,7 @@ def object_wrapper(step: Callable[..., Any]) -> str:
         once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
         return once or kept_state_wrapper(step, made, advance)
     made, names = getattr(step, "__self__", None), required_names(step)
-    if made is None or names is None or [*map(plain_role, names)] not in ([STEP], []):
+    if made is None or names is None or [*map(common.plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
@@ -76,19 +61,19 @@ def object_wrapper(step: Callable[..., Any]) -> str:
 def _own_step(cls: type) -> str:
     """The method of an object of the class that is a step already, of the state and a function or of q and v."""
     for each in (name for name in ADVANCES if hasattr(cls, name)):
-        roles = {plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
+        roles = {common.plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
         if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
             given = ", ".join(name.upper() for name in required_names(cls) or ())
-            return f"wrapped = {name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
+            return f"wrapped = {common.name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
     return ""
 
 
 def _made_anyhow(cls: type) -> Any:
     """An object of the class, made with trial values, or a function, for each argument; else the class itself."""
-    given = arguments_by_role(names := required_names(cls) or [], FIELD)
+    given = common.arguments_by_role(names := required_names(cls) or [], FIELD)
     for known in (given, {}):
         with suppress(Exception):
-            return cls(*[TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
+            return cls(*[common.TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
     return cls
 
 
@@ -101,14 +86,14 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if not taken:
         return ""
     method = "" if own == "__call__" else f".{own}"
-    if sum(map(is_before, names)) == 1:
+    if sum(map(common.is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
     with_size = names_with_step(cls) or []  # where a class is made with a step size that has a default, it is given
-    if STEP not in map(plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
+    if STEP not in map(common.plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
         names = with_size
-    kind = kind_by_names((*names, *taken))
-    kind = FORCE if takes_force(names) and POSITION in map(plain_role, taken) else kind
-    made = _Made(kind, cls, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    kind = common.kind_by_names((*names, *taken))
+    kind = FORCE if common.takes_force(names) and POSITION in map(common.plain_role, taken) else kind
+    made = _Made(kind, cls, common.arguments_by_role(names, kind), common.arguments_by_role(taken[1:], kind), method)
     inputs = [each for each in taken[1:] if each not in made.call]
     if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
         takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
@@ -116,7 +101,11 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if kind == FORCE and {*made.call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
         made = made._replace(call={x: "[q, v]" if text == "q" else text for x, text in made.call.items()})
     given, called = {"f" if x == _OF_STATE else x for x in made.arguments.values()}, {*made.call.values()}
-    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
+    if (
+        len(made.arguments) < len(names)
+        or len(made.call) < len(taken) - 1
+        or common.function_of(kind) not in given | called
+    ):
         return ""
     if made.state <= called or "[q, v]" in called:
         made = made.fitted()
@@ -135,7 +124,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
 
 def _only_step(cls: type) -> str:
     """The only method of a class that takes a state and a step size; "" if there are none, or several."""
-    roles = {each: {*map(plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
+    roles = {each: {*map(common.plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
     found = [each for each, held in roles.items() if STEP in held and held & {POSITION, STATE}]
     return found[0] if len(found) == 1 else ""
 
@@ -149,17 +138,17 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
     if not (clock := attribute_of(owner, TIME)):
         return ": let the time be an argument, or make the step anew each time"
     given = {each: each.upper() for each in required_names(cls) or ()}
-    call = arguments_by_role(required_names(step) or (), FIELD)
+    call = common.arguments_by_role(required_names(step) or (), FIELD)
     return f"; write: {_Made(FIELD, cls, given, call, method, time=clock).line()}"
 
 
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
     """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
-    kind = FORCE if takes_force((*names, *taken)) else FIELD
-    (before,) = filter(is_before, names)
-    given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
-    given[before], now = (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP_UNTIMED)
-    tried = {**TRIAL_ARGUMENTS, BEFORE: 0.75, now: TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
+    kind = FORCE if common.takes_force((*names, *taken)) else FIELD
+    (before,) = filter(common.is_before, names)
+    given, call = (common.arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
+    given[before], now = (common.BEFORE, "q") if kind == FORCE else ("y", common.FIRST_STEP_UNTIMED)
+    tried = {**common.TRIAL_ARGUMENTS, common.BEFORE: 0.75, now: common.TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
     given = {each: now if x == "y" and each != before else x for each, x in given.items()}
     with suppress(Exception):
         made = cls(*[tried[given[each]] for each in names])
@@ -168,10 +157,10 @@ def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Seque
         begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)}); "
         step = f"made{method}({', '.join(call[each] for each in taken)})"
         if kept and kind == FORCE:
-            later, found = f"({step}, 1.0 * made.{kept})[1]", WITH_SPEEDS.format("ys", "ys[1:]")
-            return run_of_steps(HEADS[kind], "q", later, begin, found=found)
+            later, found = f"({step}, 1.0 * made.{kept})[1]", common.WITH_SPEEDS.format("ys", "ys[1:]")
+            return common.run_of_steps(common.HEADS[kind], "q", later, begin, found=found)
         if kept:
-            return run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
+            return common.run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
     return ""
 
 
@@ -189,13 +178,13 @@ def maker_wrapper(step: Callable[..., Any]) -> str:
     names = required_names(step) or []
     made: Callable[..., Any] | None = None
     with suppress(Exception):
-        made = step(*(0.25 if plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
+        made = step(*(0.25 if common.plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
     inner = required_names(made) if callable(made) else None
     if not inner:
         return ""
-    kind = kind_by_names((*names, *inner))
-    arguments = {each: "h" if plain_role(each) == STEP else function_of(kind) for each in names}
-    given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
+    kind = common.kind_by_names((*names, *inner))
+    arguments = {each: "h" if common.plain_role(each) == STEP else common.function_of(kind) for each in names}
+    given = {each: each.upper() for each in inner} | common.arguments_by_role(inner, kind)
     return _Made(kind, step, arguments, given).line()
 
 
@@ -221,27 +210,27 @@ class _Made(NamedTuple):
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
-        head = HEADS[self.kind] if timed else "f, y, h"
-        made, call = f"{name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
+        head = common.HEADS[self.kind] if timed else "f, y, h"
+        made, call = f"{common.name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         begin += f"made.{self.size} = h; " * bool(self.size)
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
-        arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
+        arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
             copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)  # what is kept may be changed in place
             later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
             copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}  # so may be what it is given
             given = ", ".join(copies.get(each, each) for each in self.arguments.values())
-            begin = begin.replace(made, f"{name_of(self.make)}({given})", 1)
-        return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
+            begin = begin.replace(made, f"{common.name_of(self.make)}({given})", 1)
+        return common.run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def fitted(self) -> _Made:
         """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""
-        start, function = _START[self.kind], function_of(self.kind)
+        start, function = _START[self.kind], common.function_of(self.kind)
         try:
             self.stepped(self.new(start, 0.0), start, 0.0)
         except Exception as failure:

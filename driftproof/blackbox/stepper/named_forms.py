@@ -82,11 +82,8 @@ def _explicit_first(step: Callable[..., Any], names: Sequence[str], pair: Sequen
     solved = list[Sequence[str]]()
     for parts in permutations(pair):
         with suppress(Exception):
-            slopes = dict(zip(parts, (lambda *x: 0.0 * max(x, key=np.size), _decay), strict=True))
+            rates: dict[str, Any] = dict(zip(parts, (0.0, -_STIFF), strict=True))
+            slopes = {each: lambda *x, rate=rate: rate * max(x, key=np.size) for each, rate in rates.items()}
             end = step(**slopes, **{each: TRIAL_ARGUMENTS[text] for each, text in given.items()})
             solved += [parts] * bool(np.abs(end).max() < _GROWN)
     return solved[0] if len(solved) == 1 and {"y", "h"} <= {*given.values()} else ()
-
-
-def _decay(*x: Any) -> Any:
-    return -_STIFF * max(x, key=np.size)
