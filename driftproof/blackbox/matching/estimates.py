@@ -94,7 +94,10 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     tree = "" if first is None else f": the first tree that contributes is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
         faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}); the step has order {propagated}")
-    other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
+    # The other row is b - e or b + e, since no convention fixes the sign of e.
+    weights = [(Fraction(b), Fraction(1 / factor) * e) for b, e in zip(reading.b, estimate.row, strict=True)]
+    rows = (tuple(float(b - sign * e) for b, e in weights) for sign in (1, -1))
+    other = max(read_order(replace(reading, b=row), None).order for row in rows)
     lines += [
         *described,
         f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
@@ -120,13 +123,6 @@ def _mistimed(estimate: EstimateReading, reading: TableauReading) -> list[str]:
         for j in alone
         if abs((c := reading.c[j]) - (total := fsum(reading.a[j]))) > reading.rounding.of(1.0)
     ]
-
-
-def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:
-    """The order of the row b - factor e; callers try both signs, since no convention fixes the sign of e."""
-    pairs = zip(reading.b, estimate.row, strict=True)
-    row = tuple(float(Fraction(b) - Fraction(factor) * e) for b, e in pairs)
-    return read_order(replace(reading, b=row), None).order
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:

@@ -117,7 +117,11 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
     for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
         tiny = _at_amplitude(subject, LinearReading(fmt, LINEARISED, ldexp(1.0, -bits)))
         asleep = at_identity and not tiny.starts_at_identity
-        if not asleep and _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
+        if asleep or tiny.at_zero is None:
+            continue
+        # States of a fourth of the size have the same rates; those of a cubic force are a sixteenth.
+        less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
+        if all(map(_agree, tiny.at_zero, less)) and _nonlinearity(subject, tiny, 1.0) is None:
             return tiny
     return None
 
@@ -218,14 +222,6 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
                 start = f"({scale * q:g}, {scale * v:g})"
                 return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size", off
     return None
-
-
-def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
-    """True if states of a fourth of the size have the same rates; those of a cubic force are a sixteenth."""
-    if tiny.at_zero is None:
-        return False
-    less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
-    return all(map(_agree, tiny.at_zero, less))
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:

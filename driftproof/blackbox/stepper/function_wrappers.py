@@ -11,30 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper import wrapper_parts as common
-from driftproof.blackbox.stepper.calling_conventions import (
-    BODY_LISTS,
-    COUNTS,
-    FIELD,
-    FORCE,
-    FUNCTION,
-    MAP,
-    POSITION,
-    SPANS,
-    STATE,
-    STEP,
-    TIME,
-    VELOCITY,
-    has_gradient,
-    matrices,
-    names_with_step,
-    parameters_of,
-    required_names,
-    role_of,
-    size_name,
-    stand_in,
-    word_of,
-)
 from driftproof.blackbox.stepper.run_wrappers import list_wrapper, run_wrapper, two_step_run
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
@@ -42,7 +20,7 @@ _MOST_OPEN = 2
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
-_SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
+_SPANS = (*calling.SPANS, "t_bound", "t_end", "tf", "t_final")
 
 
 def function_wrapper(step: Callable[..., Any]) -> str:
@@ -51,33 +29,39 @@ def function_wrapper(step: Callable[..., Any]) -> str:
 
 
 def _function_wrapper(step: Callable[..., Any]) -> str:
-    if (names := names_with_step(step)) is None:
+    if (names := calling.names_with_step(step)) is None:
         return ""
-    if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
+    if (
+        _named(names, _SPANS)
+        and not _named(names, calling.COUNTS)
+        and not any(calling.role_of(each, (calling.STEP,)) for each in names)
+    ):
         return f"identify_solver({common.name_of(step)}), on the command line --solver, for a whole solver"
     if gradients := gradients_of(names):
         rest = [each for each in names if each not in gradients]
-        return _call(step, names, {**gradients, **common.arguments_by_role(rest, FORCE)}, FORCE)
+        return _call(step, names, {**gradients, **common.arguments_by_role(rest, calling.FORCE)}, calling.FORCE)
     if line := _two_forces_wrapper(step, names):
         return line
-    roles = {common.plain_role(each): word_of(each) for each in names if each not in matrices(names)}
-    forced = common.takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
-    of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
-    kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
+    roles = {common.plain_role(each): calling.word_of(each) for each in names if each not in calling.matrices(names)}
+    forced = common.takes_force(names) or calling.has_gradient(names) or roles.get(calling.FUNCTION) == "a"
+    of_state = calling.POSITION not in roles or (
+        calling.VELOCITY not in roles and (calling.TIME in roles or not forced)
+    )
+    kind = calling.MAP if calling.FUNCTION not in roles else calling.FIELD if of_state else calling.FORCE
     given = common.arguments_by_role(names, kind)
     line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names)
-    if kind == MAP and not line and (called := with_global(step)):
+    if kind == calling.MAP and not line and (called := with_global(step)):
         line = _function_wrapper(called)
         return line if line and "write values" not in line else ""
     states = [*given.values()]
-    told = given and (kind != MAP or (len(names) - len(given) < _MOST_OPEN and states.count("[q, v]") < 2))
+    told = given and (kind != calling.MAP or (len(names) - len(given) < _MOST_OPEN and states.count("[q, v]") < 2))
     return line or (_call(step, names, given, kind) if told else "")
 
 
 def gradients_of(names: Sequence[str]) -> dict[str, str]:
     """The gradients by the positions and by the momenta among the names, each as it is given; nothing without both."""
     found = (
-        next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION)),
+        next((each for each in names if calling.has_gradient([each])), _named(names, _BY_POSITION)),
         _named(names, _BY_MOMENTUM),
     )
     texts = "lambda q, *p: -force(q)", "lambda *p: p[-1]"
@@ -90,11 +74,11 @@ def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str
     >>> called_functions(lambda u, N, L, dt: u + dt * (N(u) + L(u)), ["u", "N", "L", "dt"])
     ['N', 'L']
     """
-    given = {**common.arguments_by_role(names, FIELD), **common.arguments_by_role(names, FORCE)}
-    told = (STEP, TIME, POSITION, VELOCITY, STATE)
-    if "h" not in given.values() or any(role_of(each, (FUNCTION,)) for each in names):
+    given = {**common.arguments_by_role(names, calling.FIELD), **common.arguments_by_role(names, calling.FORCE)}
+    told = (calling.STEP, calling.TIME, calling.POSITION, calling.VELOCITY, calling.STATE)
+    if "h" not in given.values() or any(calling.role_of(each, (calling.FUNCTION,)) for each in names):
         return []
-    others = [each for each in names if not role_of(each, told)]
+    others = [each for each in names if not calling.role_of(each, told)]
     for chosen in chain.from_iterable(combinations(others, size) for size in (1, 2)):
         calls: dict[str, int] = dict.fromkeys(chosen, 0)
 
@@ -113,18 +97,18 @@ def called_functions(step: Callable[..., Any], names: Sequence[str]) -> list[str
 def _two_forces_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     """The wrapper of a step of two forces, of which it is given the one that it calls least, and 0 for the other."""
     roles, pair = {*map(common.plain_role, names)}, called_functions(step, names)
-    if not {POSITION, VELOCITY} <= roles or len(pair) != 2:
+    if not {calling.POSITION, calling.VELOCITY} <= roles or len(pair) != 2:
         return ""
-    given = common.arguments_by_role([each for each in names if each not in pair], FORCE)
-    others = {x.name: x.default for x in (parameters_of(step) or {}).values()}
+    given = common.arguments_by_role([each for each in names if each not in pair], calling.FORCE)
+    others = {x.name: x.default for x in (calling.parameters_of(step) or {}).values()}
     counts = [each for each, x in others.items() if type(x) is int and x > 1]  # of inner steps, whose sums round more
     given, names = {**given, **dict.fromkeys(counts, "1")}, [*names, *counts]
-    return _call(step, names, {**given, pair[0]: "lambda q, *rest: 0.0 * q", pair[1]: "force"}, FORCE)
+    return _call(step, names, {**given, pair[0]: "lambda q, *rest: 0.0 * q", pair[1]: "force"}, calling.FORCE)
 
 
 def _named(names: Sequence[str], known: Sequence[str]) -> str | None:
     """The first of the names that is a known one; None if none is."""
-    return next((each for each in names if word_of(each) in known), None)
+    return next((each for each in names if calling.word_of(each) in known), None)
 
 
 def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
@@ -136,12 +120,15 @@ def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
     for function in called:  # which grows
         names = getattr(getattr(function, "__code__", None), "co_names", ())
         called += [x for name in names if inspect.isfunction(x := known.get(name)) and x not in called]
-    moving = {x.__name__: x for x in called[1:] if role_of(x.__name__, (FUNCTION,))}
+    moving = {x.__name__: x for x in called[1:] if calling.role_of(x.__name__, (calling.FUNCTION,))}
     moving = {name: x for name, x in moving.items() if known.get(name) is x}
-    if len(moving) != 1 or (names := names_with_step(step)) is None:
+    if len(moving) != 1 or (names := calling.names_with_step(step)) is None:
         return None
     ((name, function),) = moving.items()
-    plain = all(role_of(each, (POSITION, VELOCITY, TIME, STATE)) for each in required_names(function) or ())
+    plain = all(
+        calling.role_of(each, (calling.POSITION, calling.VELOCITY, calling.TIME, calling.STATE))
+        for each in calling.required_names(function) or ()
+    )
 
     def replaced(given: Any, *arguments: Any) -> Any:
         known[name] = given
@@ -154,7 +141,7 @@ def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
         given = given if plain or given == "f" else f"lambda q, *rest: {given}(q)"
         return f'‹{common.name_of(step)}.__globals__["{name}"] = {given}›{common.name_of(step)}({", ".join(arguments)})'
 
-    stand_in(replaced, step, [name, *names])
+    calling.stand_in(replaced, step, [name, *names])
     replaced.written = written  # type: ignore[attr-defined]
     return replaced
 
@@ -164,8 +151,10 @@ def _pair_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
 
     Both are handed to it as parts of one right-hand side, so that all that each of them is asked shows.
     """
-    functions = [each for each in names if role_of(each, (FUNCTION,)) or each in ("g", "G", "func2", "f2")]
-    known = {time: "t" for time in names if role_of(time, (TIME,))} | {size_name(names): "h"}
+    functions = [
+        each for each in names if calling.role_of(each, (calling.FUNCTION,)) or each in ("g", "G", "func2", "f2")
+    ]
+    known = {time: "t" for time in names if calling.role_of(time, (calling.TIME,))} | {calling.size_name(names): "h"}
     states = [each for each in names if each not in (*functions, *known)]
     if len(functions) != 2 or len(states) != 2:
         return ""
@@ -186,25 +175,25 @@ def _pair_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             time, x, v = (f"x[{first[each]}]" if each in first else each for each in ("t", "y[0]", "y[1]"))
             parts = [f"lambda *x: f({time}, numpy.array([{x}, {v}]))[{i}]" for i in (0, 1)]
             call = common.call_by_names(step, names, {**given, **dict(zip(functions, parts, strict=True))})
-            return f"def wrapped({common.HEADS[FIELD]}): import numpy; return numpy.array({call})"
+            return f"def wrapped({common.HEADS[calling.FIELD]}): import numpy; return numpy.array({call})"
     return ""
 
 
 def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
     left = [each for each in names if each not in given]
-    time = ", t for the time" * (kind == FIELD and len(left) == 1 and {"t", "t + h"}.isdisjoint(given.values()))
+    time = ", t for the time" * (kind == calling.FIELD and len(left) == 1 and {"t", "t + h"}.isdisjoint(given.values()))
     said = f"  # write values for {', '.join(map(str.upper, left))}{time}" if left else ""
     if len(left) == 1 and common.is_before(left[0]):
         if line := two_step_run(step, names, given, kind):
             return line
         said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
-    if kind == MAP and "h" not in given.values():
+    if kind == calling.MAP and "h" not in given.values():
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
-    if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
+    if kind == calling.MAP and any(calling.word_of(each) in calling.BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    head = common.HEADS[kind] if kind != FIELD or getattr(step, "timed", True) else "f, y, h"
-    if kind == MAP and "[q, v]" in given.values():
+    head = common.HEADS[kind] if kind != calling.FIELD or getattr(step, "timed", True) else "f, y, h"
+    if kind == calling.MAP and "[q, v]" in given.values():
         try:
             step(**{each: common.TRIAL_ARGUMENTS.get(given.get(each, ""), 0.0) for each in names})
         except ValueError:  # of a state of more numbers

@@ -14,16 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.stepper.calling_conventions import (
-    COUNTS,
-    FIELD,
-    FORCE,
-    MAP,
-    RUN_ENDS,
-    names_with_step,
-    required_names,
-    word_of,
-)
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.wrapper_parts import (
     BEFORE,
     FIRST_STEP,
@@ -52,24 +43,27 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     """
     kind = kind_by_names(names)
     begins = {each[:-1].strip("_") for each in names if each.endswith("0")}  # of x0 and x, the latter is the end
-    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T" or each in begins), "")
+    end = next(
+        (each for each in names if calling.word_of(each) in calling.RUN_ENDS[1] or each == "T" or each in begins), ""
+    )
     given = arguments_by_role([each for each in names if each != end], kind)
     left, timed = [each for each in names if given.get(each, "0.0") == "0.0"], "t" in given.values()
-    counted = [each for each in left if word_of(each) in COUNTS]
+    counted = [each for each in left if calling.word_of(each) in calling.COUNTS]
     if end:
         given[end] = "t + h" if timed else "h"
-    elif left and left == counted and kind != FIELD:
+    elif left and left == counted and kind != calling.FIELD:
         given[left[0]] = "1"
     elif len(left) == 1 and "h" not in given.values():
-        timed = kind == FIELD
+        timed = kind == calling.FIELD
         given[left[0]] = "[t, t + h]" if timed else "[0.0, h]"
     else:
         return ""
     if len(given) < len(names):
         return ""
-    head = HEADS[kind] if timed or kind != FIELD else "f, y, h"
+    head = HEADS[kind] if timed or kind != calling.FIELD else "f, y, h"
     whole = {"1": "n", "t + h": "t + n * h", "h": "n * h", "[t, t + h]": "[t, t + n * h]"}
-    counts = (1, _RUN) if kind == FIELD and "1" in given.values() else (1,)  # some cannot end before their start does
+    # Some cannot end before their start does.
+    counts = (1, _RUN) if kind == calling.FIELD and "1" in given.values() else (1,)
     if rows := {"[t, t + h]"} == {"[t, t + h]", "1"}.intersection(given.values()):
         whole["[t, t + h]"] = "[t + i * h for i in range(n + 1)]"
     for many, count in product((False, True), counts):
@@ -80,7 +74,7 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             found, of_all = step(*[copy(values[given[each]]) for each in names]), "{}"
             if inspect.isgenerator(found):
                 found, of_all = [*found][-1], "[*{}][-1]"
-            states = ("q", "v") if {"q", "v"} <= {*given.values()} else ("y",) if kind == FIELD else ("[q, v]",)
+            states = ("q", "v") if {"q", "v"} <= {*given.values()} else ("y",) if kind == calling.FIELD else ("[q, v]",)
             places = [_end_of(found, values[each]) for each in states]
             if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
                 return ""  # what is not known to be a row of times need not be one
@@ -104,9 +98,9 @@ def list_wrapper(step: Callable[..., Any]) -> str:
 
     Of y' = 1 every method finds the next state, t + h, if the list is in its own order.
     """
-    names = [] if inspect.isclass(step) else required_names(step) or []
+    names = [] if inspect.isclass(step) else calling.required_names(step) or []
     past = next((each for each in names if _LISTS.search(each.lower())), "")
-    given = {past: "ys"} | arguments_by_role([each for each in names if each != past], FIELD)
+    given = {past: "ys"} | arguments_by_role([each for each in names if each != past], calling.FIELD)
     if len(given) < len(names) or not {"f", "ys", "h"} <= {*given.values()} <= {"f", "t", "ys", "h"}:
         return ""
     for size, turned in product(range(2, _MOST_STATES + 1), (1, -1)):
@@ -116,17 +110,17 @@ def list_wrapper(step: Callable[..., Any]) -> str:
             if np.allclose(step(*[values[given[each]] for each in names]), 0.25, rtol=0, atol=2.0**-20):
                 call = call_by_names(step, names, later_arguments(given, ys="ys[::-1]" if turned < 0 else "ys"))
                 later = f"s(t + i * h, ys[-1]) if i < {size - 1} else {call}"
-                line = run_of_steps(HEADS[FIELD], "y", later, f"s = lambda t, y: {FIRST_STEP}; ")
+                line = run_of_steps(HEADS[calling.FIELD], "y", later, f"s = lambda t, y: {FIRST_STEP}; ")
                 return f"{line}  # begins with midpoint2"
     return ""
 
 
 def positions_wrapper(step: Callable[..., Any]) -> str:
     """The run of a method that returns positions alone, with their differences as velocities."""
-    names = names_with_step(step) or []
-    if (kind := kind_by_names(names)) != FORCE:
+    names = calling.names_with_step(step) or []
+    if (kind := kind_by_names(names)) != calling.FORCE:
         return _with_a_force(step, names)
-    given = arguments_by_role(names, kind) | {each: "n" for each in names if word_of(each) in COUNTS}
+    given = arguments_by_role(names, kind) | {each: "n" for each in names if calling.word_of(each) in calling.COUNTS}
     run = call_by_names(step, names, given)
     return f"def wrapped({HEADS[kind]}, n): xs = {run}; return {WITH_SPEEDS.format('xs', 'xs[1:]')}"
 
@@ -134,24 +128,24 @@ def positions_wrapper(step: Callable[..., Any]) -> str:
 def two_step_run(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The run of a function whose one argument not given is the state before; "" if it cannot be written."""
     given = dict.fromkeys(names, "ys[-2]") | {**given}
-    if kind == FIELD and {"y", "h"} <= {*given.values()}:
+    if kind == calling.FIELD and {"y", "h"} <= {*given.values()}:
         later = call_by_names(step, names, later_arguments(given))
         line = run_of_steps(HEADS[kind], f"y, {FIRST_STEP}", later, first=1)
         return f"{line}  # a run of n steps, whose first is one of midpoint2"
-    if kind == FORCE and {*given.values()} == {"force", "q", "h", "ys[-2]"}:
+    if kind == calling.FORCE and {*given.values()} == {"force", "q", "h", "ys[-2]"}:
         with suppress(Exception):
             pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
             later = call_by_names(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
             return run_of_steps(HEADS[kind], f"{BEFORE}, q", later, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
     states = [each for each in names if given[each] not in ("force", "h")]
-    if kind == FORCE and [given[each] for each in states] == ["q", "v", "force(q)", "ys[-2]"]:
+    if kind == calling.FORCE and [given[each] for each in states] == ["q", "v", "force(q)", "ys[-2]"]:
         with suppress(Exception):  # of the slope before, if it returns its state and both slopes in their order
             trial = {**TRIAL_ARGUMENTS, "force(q)": 2.0, "ys[-2]": 3.0}
             if [*step(**{each: trial[given[each]] for each in names})][3:] == [2.0]:
                 later = call_by_names(step, names, given | {each: f"ys[-1][{i}]" for i, each in enumerate(states)})
                 start, found = f"(q, v, force(q), force({BEFORE}))", "[y[0] for y in ys], [y[1] for y in ys]"
                 return run_of_steps(HEADS[kind], start, later, found=found)
-    return _with_a_force(step, names) if kind == MAP else ""
+    return _with_a_force(step, names) if kind == calling.MAP else ""
 
 
 def _with_a_force(step: Callable[..., Any], names: Sequence[str]) -> str:
