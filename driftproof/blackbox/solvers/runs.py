@@ -23,15 +23,7 @@ from driftproof.blackbox.solvers.foreign_solver import (
     TooSlow,
     in_binary32,
 )
-from driftproof.blackbox.solvers.tolerance_runs import (
-    ATOL,
-    GROSS,
-    RTOL,
-    SAME_TIME,
-    SPAN,
-    RunLines,
-    effect_of_tolerance,
-)
+from driftproof.blackbox.solvers.tolerance_runs import ATOL, GROSS, RTOL, SAME_TIME, SPAN, RunLines, tolerance_effect
 
 # A jump costs about its height times a step, which the estimate should bound by the tolerance: chosen with room.
 _OF_A_JUMP = 1e3
@@ -309,5 +301,5 @@ def _stiffness(subject: ForeignSolver) -> RunLines:
 
 _QUESTIONS = {
     "Constant slopes": _constant_slopes, "Clock": _clock, "Backward": _backward, "Numbers": _numbers, "NaN": _nan,
-    "A jump": _jump, "Tolerance": effect_of_tolerance, "Stiffness": _stiffness,
+    "A jump": _jump, "Tolerance": tolerance_effect, "Stiffness": _stiffness,
 }  # fmt: skip

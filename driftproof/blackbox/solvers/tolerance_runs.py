@@ -47,7 +47,7 @@ SAME_TIME = 1e-6
 RunLines: TypeAlias = tuple[list[str], list[str]]
 
 
-def effect_of_tolerance(subject: ForeignSolver) -> RunLines:
+def tolerance_effect(subject: ForeignSolver) -> RunLines:
     """Measure the effect of tolerances, and what errors are compared with, also where it takes too many calls."""
     grown = _of_growth(subject) if subject.adaptive else []
     try:

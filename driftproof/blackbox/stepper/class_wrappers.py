@@ -67,9 +67,10 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
     run = next((each for each in _RUNS if each in methods), "")
     if not run or not function_argument(cls):
         return None
-    taken = {each: _without_self(x) for each, x in methods.items()} | {
-        "": [*(calling.parameters_of(cls) or {}).values()]
-    }
+    taken = {each: [*(calling.parameters_of(method) or {}).values()][1:] for each, method in methods.items()}
+    rest = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    taken = {each: [x for x in found if x.kind not in rest] for each, found in taken.items()}
+    taken[""] = [*(calling.parameters_of(cls) or {}).values()]
     order = ["", run]
     if not _begins(x.name for each in order for x in taken[each]):
         setter = next((x for x in methods if len(taken[x]) == 1 and _begins([taken[x][0].name])), None)
@@ -112,11 +113,6 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
 def public_methods(cls: type) -> list[str]:
     """The names of a class's methods that are for others."""
     return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
-
-
-def _without_self(method: Callable[..., Any]) -> list[inspect.Parameter]:
-    found = [*(calling.parameters_of(method) or {}).values()][1:]
-    return [x for x in found if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)]
 
 
 def _begins(names: Iterable[str]) -> bool:
