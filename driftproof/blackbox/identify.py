@@ -196,12 +196,14 @@ class Identification:
         damping: Damping | None = seen.damping.result
         damps = damping.faults if damping and not seen.ignores_step else []
         faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
+        orders = [*([] if seen.read is None else seen.read.order.lines), *(found.words for found in _measured(seen))]
+        orders += ["the order on nonlinear problems is not known"] * (seen.order.kind == "unsupported_call")
         stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
         evidence = sections(
             ("What to do", self._what_to_do),
             ("Faults", faults),
             ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
-            ("Order", _orders(seen)),
+            ("Order", orders),
             ("One-step matrix", [] if seen.fit is None or seen.naming.basis is Basis.UNDECIDED else seen.fit.lines),
             ("Damping", damping.lines if damping and not damping.faults else []),
             ("Error estimate", _returned_besides_y1(seen.estimate)),
@@ -286,10 +288,3 @@ def _measured(seen: Seen) -> Sequence[MeasuredOrder]:
     """The orders measured; of a step that has a drag built in, that with the drag added to the force."""
     damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
     return seen.measured if damped is None else (damped,)
-
-
-def _orders(seen: Seen) -> list[str]:
-    by_trees = [] if seen.read is None else seen.read.order.lines
-    measured = [found.words for found in _measured(seen)]
-    linear_only = seen.order.kind == "unsupported_call"
-    return [*by_trees, *measured, *(["the order on nonlinear problems is not known"] if linear_only else [])]

@@ -144,6 +144,8 @@ _MATRICES = "AMKBCDFGHPQR"
 _ANGLES, _SPEEDS = ("angle", "theta", "alpha"), ("v0", "speed", "u0")
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
+# Names for a list of objects, each with its position, velocity and mass.
+BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
 MASSES, MASS = ("m", "mass", "masses"), 2.0
 INVERSE_MASSES = ("inv_mass", "inverse_mass", "invmass", "minv", "m_inv")
