@@ -73,7 +73,21 @@ _FUNCTIONS = (
 # Names for the gradient of a potential; the force is minus its value.
 _GRADIENTS = (
     *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient"),
-    *("dvdq", "dvdx", "dudq", "dudx", "du_dx", "dv_dx", "dv_dq", "du_dq"),
+    *(
+        "dvdq",
+        "dvdx",
+        "dudq",
+        "dudx",
+        "du_dx",
+        "dv_dx",
+        "dv_dq",
+        "du_dq",
+        "dv",
+        "du",
+        "dpotential",
+        "nabla_u",
+        "nabla_v",
+    ),
 )
 _POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
 _VELOCITIES = (

@@ -87,7 +87,7 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
             if (rows or counts[1:]) and (count > 1 or _remembers(step, names, given, places[0])):
-                run = call_by_names(step, names, {each: whole.get(text, text) for each, text in given.items()})
+                run = call_by_names(step, names, {each: whole.get(text, text) for each, text in written.items()})
                 return f"def wrapped({head}, n): return {run}{first.removesuffix('[-1]')}"
             return f"def wrapped({head}): return {run}{first}"
     return ""

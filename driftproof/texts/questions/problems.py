@@ -296,7 +296,8 @@ def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
 
 
 def _distance(a: _Row, b: _Row) -> arb:
-    differences = [x - y for x, y in zip(a, b, strict=True)]  # balls that hold 0 have no power in python-flint
+    # Balls that hold 0 have no power in python-flint.
+    differences = [x - y for x, y in zip(a, b, strict=True)]
     return sum((d * d for d in differences), arb(0)).nonnegative_part().sqrt()
 
 

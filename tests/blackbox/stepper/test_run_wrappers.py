@@ -115,6 +115,9 @@ def bashforth_of_ends(f, a, b, ya, n):
         y[i + 1] = y[i] + (h / 2 * (3 * ahead - slopes[-2]) if i else h * ahead)
     return t, y
 
+def bashforth_from_zero(f, y0, t_end, n):
+    return bashforth_of_ends(f, 0.0, t_end, y0, n)[1]
+
 def after_two_steps(f, t0, tf, y0, N):
     h, t, y = (tf - t0) / N, np.linspace(t0, tf, N + 1), np.zeros((N + 1, np.size(y0)))
     y[0] = y0
@@ -195,6 +198,9 @@ PASTED = {
     "coupled_xy": ("f, t, y, h", COUPLED.format("coupled_xy", 1, 2, "t, y[0], y[1], h"), FORWARD),
     "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
+    "bashforth_from_zero": (
+        *("f, t, y, h, n", "return bashforth_from_zero(lambda s, y: f(t + s, y), y, n * h, n)", "adams_bashforth2"),
+    ),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
     "of_span": ("f, t, y, h", "return of_span(f, [t, t + h], y, 1)[1][-1]", FORWARD),
     "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
