@@ -32,13 +32,12 @@ from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 
 _ARGUMENT = "a right-hand side or a force among its arguments: step(f, t, y, h) or step(force, q, v, h)"
-_ENOUGH = "; a test that holds it to its own system alone: assert_verified(step, method, allow_undecided=True)"
+_SYSTEM = f"the system that it should have: --system module:f, in Python system=f, of f(t, y); or {_ARGUMENT}"
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
     "crashes": "a step that leaves its process, and the pipes of it, alone",
-    OwnSystem.kind: _ARGUMENT,
-    AsOnOwnSystem.kind: _ARGUMENT + _ENOUGH,
+    **dict.fromkeys((OwnSystem.kind, AsOnOwnSystem.kind), _SYSTEM),
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.
