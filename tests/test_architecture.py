@@ -69,9 +69,9 @@ BUDGETS = {
     "methods": 5549,
     "symbolic": 10733,
     "numeric": 4018,
-    "blackbox": 22076,
+    "blackbox": 22109,
     "enclosure": 4899,
-    "texts": 10133,
+    "texts": 10134,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5941
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

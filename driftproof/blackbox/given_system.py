@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.findings import NO_EVIDENCE, BadInput, Misbehaviour, StepFinding
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
-from driftproof.blackbox.judging.own_system import OwnSteps, OwnSystem, seen_at, unit_of
+from driftproof.blackbox.judging.own_system import OwnSteps, OwnSystem, own_time, seen_at
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.report import UNDECIDED, Criterion, Report, criteria_parts, sections
@@ -88,7 +88,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
             why = str(error)
     if len(slopes) < 2:
         raise BadInput(why)
-    unit = unit_of([(np.array(y), slopes[y]) for y in slopes])
+    unit = own_time([(np.array(y), slopes[y]) for y in slopes], lambda y: np.array(rates(0.0, [*y])))
     for y, told in slopes.items():
         with suppress(Misbehaviour):
             seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, _SHORT * unit)) - np.array(y)) / (_SHORT * unit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -44,6 +44,9 @@ _NEAR = 2.0**-18
 # one order apart, if slopes change by more than a part. Stages that contract by 3/4 settle in so many rounds.
 _TIMES, _COMPARED, _SEEN_BENT, _ROUNDS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 80
 
+
+# Systems with a shorter time are looked at again, as it may be that of a stiff spring.
+_FAST = 2.0**-8
 
 NO_SLOPES = "short steps show no slopes of it"
 
@@ -101,9 +104,20 @@ def seen_at(subject: ForeignStepper, domain: Domain) -> tuple[ForeignStepper, li
     return subject, [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
 
 
-def unit_of(seen: Sequence[tuple[Array, Array]]) -> float:
-    """A power of two near to the own time of a system with these slopes at these states."""
-    rates = [float(np.linalg.norm(g - f) / np.linalg.norm(z - y)) for (y, f), (z, g) in pairwise(seen)]
+def own_time(seen: Sequence[tuple[Array, Array]], slopes: Callable[[Array], Array] | None = None) -> float:
+    """A power of two near to the own time of a system with these slopes at these states.
+
+    That is one over the size of its Jacobian matrix J or, given all slopes, over the root of that of J^2: of a stiff
+    spring with J = (0, 1; -k, 0), the root of k. J d is the difference of two slopes.
+    """
+    rates = list[float]()
+    for (y, f), (z, g) in pairwise(seen):
+        far, moved = float(np.linalg.norm(z - y)), float(np.linalg.norm(g - f))
+        rates.append(moved / far)
+        with suppress(Misbehaviour, ArithmeticError):
+            part = _ROUGH * far / moved if moved and slopes else 0.0
+            again = float(np.linalg.norm(slopes(y + part * (g - f)) - f)) if slopes and part else 0.0
+            rates[-1] = (again / (part * far)) ** 0.5 if part else rates[-1]
     return 2.0 ** -round(log2(max(*rates, _ROUGH)))
 
 
@@ -220,7 +234,10 @@ class OwnSteps:
         turned = np.array([[slopes[1], -slopes[0], *slopes[2:]] for _, slopes in seen])
         if not seen[1:] or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
             return None
-        return cls(subject, [tuple(y.tolist()) for y, _ in seen], unit_of(seen))
+        unit = own_time(seen)
+        if unit < _FAST:
+            unit = own_time(seen, lambda y: first._measured(0.0, y.tolist(), unit * _LONGEST, _HALVINGS)[0])
+        return cls(subject, [tuple(y.tolist()) for y, _ in seen], unit)
 
     @property
     def words(self) -> str:

@@ -356,6 +356,19 @@ def test_a_damping_that_is_small_beside_a_stiff_spring_is_part_of_the_system():
     assert "is rk4 on its own system (q' = v, v' = -1e+06 q - 10 v)" in found.verdict
 
 
+@pytest.mark.parametrize(("last", "passed", "words"), [(1, None, "v' = -1e+06 q), to "), (2, False, "ends in")])
+def test_the_own_time_of_a_stiff_spring_is_that_of_its_swing(last, passed, words):
+    def step(x, v, dt):
+        x, v = x + dt * (v - dt / 2 * 1e6 * x), v - dt / 2 * 1e6 * x
+        return x, v - last * dt / 2 * 1e6 * x
+
+    found = verify(step, "velocity_verlet", examples=30, isolate=False)
+    assert found.passed is passed, found.verdict
+    assert words in found.verdict
+    held = verify(step, "velocity_verlet", system=lambda t, y: [y[1], -1e6 * y[0]], isolate=False)
+    assert held.passed is (passed is None), held.verdict
+
+
 def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
     step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
     assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict
