@@ -159,6 +159,8 @@ class Seen:
             return Naming(Basis.LINEAR_ONLY, words, keys, reserved)
         if read is not None and read.identity.near:
             return _near(read.identity.near[0])
+        if read is not None and not self.ignores_step:
+            return self._unknown_stages(read)
         if fit is not None and read is None and (nearly := fit.nearly):
             name = "nearly " * bool(nearly.off) + " or ".join(nearly.methods)
             few_bits = " in numbers of few bits, not in all numbers"

@@ -146,7 +146,7 @@ def weighted(*kicks):
 
 def test_a_table_whose_inner_coefficients_all_differ_is_near_to_no_method():
     """The twin, of the same kind, is a method of the catalogue, which is named."""
-    assert identify(weighted(1 / 6, 2 / 3, 1 / 6)).verdict == "it is not a known method"
+    assert identify(weighted(1 / 6, 2 / 3, 1 / 6)).verdict == "it is not a known method, but has 3 stages and order 2"
     assert "velocity_verlet" in identify(weighted(1 / 2, 1 / 2)).verdict
 
 
