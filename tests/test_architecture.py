@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10733,
     "numeric": 4018,
     "blackbox": 22111,
-    "enclosure": 4899,
+    "enclosure": 4961,
     "texts": 10134,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5941

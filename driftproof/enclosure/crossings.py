@@ -7,9 +7,10 @@ sides of its comparisons, on a cone that the solution cannot leave. Behind the w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count, pairwise
 
 from flint import arb, arb_poly, ctx
 
@@ -58,29 +59,90 @@ class Window:
         return self.whole
 
 
+class _Watched(Evaluation):
+    """A run that keeps the numbers of which f asks the sign or the floor; it is `refused` where f has no value."""
+
+    def __init__(self, t: Fraction) -> None:
+        super().__init__(span=(t, None))
+        self.asked, self.refused = list[Value](), False
+
+    def decide(self, greater: Value, less: Value, at_zero: bool = False) -> bool:
+        """The outcome, by the sign of the difference."""
+        self.asked.append(greater - less)
+        return super().decide(greater, less, at_zero)
+
+    def floor(self, x: Value) -> int:
+        """The integer."""
+        self.asked.append(x)
+        return super().floor(x)
+
+    def differs(self, decided: Sequence[int]) -> bool:
+        """True if the outcomes are not those decided."""
+        return self.refused or self.taken != decided
+
+    def crossing(self, decided: Sequence[int], after: _Watched) -> Fraction | None:
+        """The number here that has crossed 0 in the run after the change; None if that is not known."""
+        first = next(
+            (i for i, (x, y) in enumerate(zip(decided, after.taken, strict=False)) if x != y), len(after.taken)
+        )
+        if first >= min(len(self.asked), len(after.asked), len(decided)):
+            return None
+        x, there = self.asked[first], after.asked[first]
+        if not all(isinstance(each, arb) and each.is_finite() for each in (x, there)):
+            return None
+        # Of a floor, the integer that is passed; where it is not decided, that which is near.
+        passed = max(decided[first], *(after.taken[first:][:1] or [round(dyadic(there.mid()))]))
+        return dyadic(x.mid()) - (0 if isinstance(decided[first], bool) else passed)
+
+
 def first_change(
     f: RightHandSide, t: Fraction, rows: Sequence[Sequence[arb]], decided: Sequence[int], longest: Fraction
 ) -> Fraction | None:
     """About when f's comparisons along the polynomials in s are no longer those decided: a guess, and None if never."""
-    polynomials = [arb_poly(list(row)) for row in rows]
+    polynomials, parts = [arb_poly(list(row)) for row in rows], 1 << int(ctx.prec)
 
-    def changes(s: Fraction) -> bool:
-        evaluation, at = Evaluation(span=(t + s, None)), enclose(s)
+    def seen(place: int) -> _Watched:
+        s = longest * place / parts
+        run, at = _Watched(t + s), enclose(s)
         try:
-            state = [Enclosed(evaluation, arb(p(at)).mid()) for p in polynomials]
-            enclosed_rates(f, Clock(evaluation, enclose(t + s)), state)
+            state = [Enclosed(run, arb(p(at)).mid()) for p in polynomials]
+            enclosed_rates(f, Clock(run, enclose(t + s)), state)
         except Refused:
-            return True
-        return evaluation.taken != decided
+            run.refused = True
+        return run
 
-    after = next((s for k in range(SEARCHED) if changes(s := longest * (k + 1) / SEARCHED)), None)
-    if after is None:
-        return None
-    before = after - longest / SEARCHED
-    for _ in range(ctx.prec):
-        middle = (before + after) / 2
-        before, after = (before, middle) if changes(middle) else (middle, after)
-    return after
+    for a, b in pairwise(parts * k // SEARCHED for k in range(SEARCHED + 1)):
+        if (after := seen(b)).differs(decided):
+            return longest * _first_place(seen, decided, (a, seen(a)), (b, after)) / parts
+    return None
+
+
+def _first_place(
+    seen: Callable[[int], _Watched], decided: Sequence[int], start: tuple[int, _Watched], end: tuple[int, _Watched]
+) -> int:
+    """The place behind which runs differ from what is decided, by the Illinois rule for the number that crosses 0.
+
+    Where signs do not tell, and every fourth time, the places are halved.
+    """
+    (a, before), (b, after), weights, last = start, end, [Fraction(1), Fraction(1)], None
+    for rounds in count():
+        if b - a <= 1:
+            break
+        u, v = (run.crossing(decided, after) for run in (before, after))
+        middle = (a + b) // 2
+        if u is not None and v is not None and u * v <= 0 and u != v and rounds % 4 != 3:
+            u, v = u * weights[0], v * weights[1]
+            middle = min(max(b - round((b - a) * v / (v - u)), a + 1), b - 1)
+        run = seen(middle)
+        if changed := run.differs(decided):
+            b, after = middle, run
+        else:
+            a, before = middle, run
+        weights[changed] = Fraction(1)
+        if changed == last:  # the end that stays counts for less
+            weights[not changed] /= 2
+        last = changed
+    return b
 
 
 def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> Window | None:

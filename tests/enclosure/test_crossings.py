@@ -297,6 +297,25 @@ def test_first_change_is_found_along_the_polynomials(rows, said):
         assert 0 <= found - said < Fraction(1, 2**100)
 
 
+@pytest.mark.parametrize(
+    ("f", "decided", "square"),
+    [
+        (lambda t, y: [1.0 if y[0] > 0.25 else 0.0], [False], 0.25), (lambda t, y: [y[0] // 0.25], [0], 0.25),
+        (lambda t, y: [-y[0] // 0.25], [-1], 0.25),
+        (lambda t, y: [y[0] // 0.3 if y[0] < 0.5 else 0], [True, 0], 0.3),
+        (lambda t, y: [1.0 if (y[0] - 0.25) ** 9 > 0 else 0.0], [False], 0.25),
+    ],
+    ids=["a sign", "a floor", "a falling floor", "the first of two", "a root of order nine"],
+)  # fmt: skip
+def test_a_change_is_found_to_the_last_bits_in_fewer_runs_than_halves_take(f, decided, square):
+    asked = list[object]()
+    counted = lambda t, y: asked.append(t) or f(t, y)
+    with ctx.workprec(BITS):
+        found = first_change(counted, Fraction(0), [[arb(0), arb(0), arb(1)]], decided, Fraction(1))
+        assert abs(enclose(found) - arb(square).sqrt()) < arb(2) ** -180
+    assert len(asked) < BITS / 3
+
+
 @pytest.mark.slow
 def test_elastic_contact_keeps_its_energy():
     """Hertz's law, v' = -9.81 + 1000 d^(3/2) at the depth d, over two impacts: v²/2 + 9.81 x + 400 d^(5/2) is kept."""
