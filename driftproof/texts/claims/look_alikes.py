@@ -16,6 +16,7 @@ from typing import Any
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.calculations import Calculation, calculations_in
+from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.phrases import NumberForm
@@ -61,10 +62,14 @@ class LookAlike:
 class LookAlikes:
     """The values that the numbers of one text look like."""
 
-    def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
-        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
+    def __init__(self, text: str, asked: Iterable[str] = (), printed: Iterable[tuple[str, Span]] = ()) -> None:
+        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has.
+
+        Programs have `printed` spans of the text.
+        """
         self.text, self.tables = text, tables_of(text)
         self.values = PossibleValues(text, stated_questions(text, self.tables.column_of), asked)
+        self._printed = [*printed]
         self._meant: dict[int, list[KnownValue]] = {}
         self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
@@ -82,11 +87,11 @@ class LookAlikes:
                 return []
             self._alike[number.start] = self._look_alikes(number, x)
             done = self.calculated.get(number.start)
-            if (
-                done
-                and not any(one.strong for one in self._alike[number.start])
-                and spelled(number) in printed(done, number)
-            ):
+            results = printed(done, number) if done else []
+            if done and results and "." not in done.question and spelled(number) not in results:
+                # Of whole numbers it gives that and nothing else.
+                self._alike[number.start] = [replace(one, strong=False) for one in self._alike[number.start]]
+            elif done and not any(one.strong for one in self._alike[number.start]) and spelled(number) in results:
                 self._alike[number.start].insert(0, LookAlike(done.question, form_of(number), strong=True))
         return self._alike[number.start]
 
@@ -203,13 +208,22 @@ class LookAlikes:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
             if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number)):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
-            if table in self._steps and "h" not in place.near:
-                place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
+            if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
+                step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
+                kept = {x: given for x, given in place.settings.items() if x != "h"}
+                own = {"h": step} if step else {}
+                place = replace(place, settings=kept | own, near=place.near | own.keys())
             rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
             if rows_of_steps and place.quantity == "observed_order":
                 place = replace(place, of_row=(self._run_of_row(number),))
             self._places[number.start] = place
         return self._places[number.start]
+
+    def _sizes_of_program(self, number: TextNumber) -> set[Fraction]:
+        """The step sizes of the text that stand in the program that has printed the number, if any has."""
+        programs = (program for program, (start, end) in self._printed if start <= number.start < end)
+        given = {one.value for program in programs for one in numbers_in(program) if "." in one.text}
+        return given & {*chain(*(asked_settings(known.question)["h"] for known in self.values.known if known.stated))}
 
     def _run_of_row(self, number: TextNumber) -> int:
         """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
@@ -246,6 +260,8 @@ class LookAlikes:
         found = dict[int, Any]()
         for table, numbers in tables.items():
             said = [self._said_by(x, what) for x in numbers]
+            if what == "h" and (own := {*map(Fraction, SETTING["h"].findall(self.tables.section_of(table).lower()))}):
+                said = [sizes & own for sizes in said]
             tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
             most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
             if count >= max(3, of / 2):

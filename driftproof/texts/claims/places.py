@@ -90,7 +90,8 @@ _FACTS = {
     "order": r"(?:order|p\Z)\b",
 }
 _AT_START = re.compile(
-    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b[^.;,]{0,30}\Z|[a-z]_0 ?[=≈] ?\Z"
+    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
+    r"[a-z]_0 ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")

@@ -16,7 +16,7 @@ from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, lowered, methods_named
+from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.spellings import form_of, spelled
@@ -89,7 +89,10 @@ class PossibleValues:
         if self._unanswered and not asked:
             raise next(iter(self._unanswered.values()))
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
+        spoken = methods_named(self.lower)
         for question, chosen in stated.items():
+            if (keys := methods_asked(question)) and keys.isdisjoint(spoken):
+                continue  # of a name that means several methods, one that is named in full nearby
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
                 asked.append(KnownValue(question, self.limited(question, EFFORT), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
@@ -112,7 +115,8 @@ class PossibleValues:
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
+                counted = (n for n in counts[:_MOST_COUNTS] if h in own)
+                ends = {Fraction(n): f"N={n}" for n in counted if not given or str(Fraction(h) * Fraction(n)) in given}
                 ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
                 for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]

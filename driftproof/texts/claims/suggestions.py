@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit
+from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.places import COMPARED, asked_quantity
@@ -90,7 +90,7 @@ class Suggestions(LookAlikes):
             other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
-                    if known.rank < 2 and self._place_of(number).is_of_another(known.question):
+                    if self._is_of_other(known, number) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
@@ -120,6 +120,14 @@ class Suggestions(LookAlikes):
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _is_of_other(self, known: KnownValue, number: TextNumber) -> bool:
+        """True if the row or sentence of the number names another method, step size, time or quantity."""
+        place, row = self._place_of(number), self.tables.row_of(number)
+        said = [cell.head for cell in row if cell.start <= number.start < cell.end] + [cell.text for cell in row]
+        named = methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
+        foreign = known.keys and named and known.keys.isdisjoint(named)
+        return foreign or place.denies(known.question) or (known.rank < 2 and place.is_of_another(known.question))
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
         """The values of a problem, but for step sizes and times, that all of the number's column look like.

@@ -709,3 +709,88 @@ def test_a_part_of_the_energy_is_no_relative_error(said, slips):
     suggestions = Suggestions(text)
     found = [suggestions.slips(x) for x in numbers_in(text) if x.text == "0.0179"]
     assert [len(one) for one in found] == [slips]
+
+
+COOLING = "u'=-3u + t, u(0)=2"
+STALE = """\
+Exercise A
+Solve u' = -3u + t, u(0) = 2 with h = {} by Euler's method and Heun's method.
+| t | Euler | Heun |
+| 0.25 | {} | {} |
+| 0.5 | {} | {} |
+| 1.0 | {} | {} |
+Exercise B
+Repeat. The errors at t = 1:
+| method | h = 0.125 | h = 0.0625 |
+| Euler | {} | {} |
+| Heun | {} | {} |
+"""
+
+
+@pytest.mark.parametrize(("said", "claimed"), [("0.125", 6), ("0.25", 0)])
+def test_a_table_is_of_the_step_size_of_its_own_section(said, claimed):
+    runs = [
+        f"run {by} {COOLING}, h=0.125, t={t} : u" for t in ("0.25", "0.5", "1") for by in ("forward_euler", "heun2")
+    ]
+    errors = [
+        f"run {by} {COOLING}, h={h}, t=1 : error" for by in ("forward_euler", "heun2") for h in ("0.125", "0.0625")
+    ]
+    printed = [value(one).places(5) for one in (*runs, *errors)]
+    found, slips = claims_and_slips(STALE.format(said, *printed))
+    assert [found[x] for x in printed[:6]] == (runs if claimed else [""] * 6)
+    assert len(slips) == 6 - claimed
+    assert [found[x] for x in printed[6:]] == errors
+
+
+SWING = "Velocity Verlet and RK4 swing. Here is x'' = -2sin(x), x(0) = 0.9, x'(0) = 0, and E = 1/2 x'^2 - 2cos(x)."
+
+
+@pytest.mark.parametrize(
+    ("said", "slips"),
+    [
+        (
+            "In def verlet(x, v, h) a step of h = 0.2 follows.\n| method | energy |\n| RK4 | -1.242607 |",
+            [],
+        ),  # -1.242602
+        ("RK4 has E = -1.243223 at t = 0.2, h = 0.2. At the start it is E = -2cos 0.9 = -1.243220.", ["-1.243224"]),
+    ],
+)
+def test_what_is_said_of_the_start_or_by_no_method_of_the_text_is_no_slip_of_a_run(said, slips):
+    assert [*claims_and_slips(f"{SWING}\n{said}")[1].values()] == [slips][: len(slips)]
+
+
+def test_a_factor_beside_one_is_no_slip_of_a_change_of_few_digits():
+    for number, slips in (("1.04", {}), ("0.0451", {"10*0.00431": "0.0431"})):
+        text = f"Up to t = 10 it grows by 1 + h^2 = {number}, says Euler."
+        assert Suggestions(text, ["{10}*0.00431"]).slips(numbers_in(text)[-1]) == slips
+
+
+@pytest.mark.parametrize(
+    ("said", "question"),
+    [
+        ("t = 6, 30 steps of h = 0.2. With h = 0.4 RK4 makes {120}", ""),
+        ("t = 6, 30 steps of h = 0.2. With h = 0.2 RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+        ("t = 6 and h = 0.2: RK4 is best, but makes {30}", ""),
+        ("t = 6 and h = 0.2: beside Euler's 30, RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+    ],
+)
+def test_a_count_of_evaluations_is_of_the_method_and_the_steps_of_its_own_step_size(said, question):
+    text = f"RK4 is run up to {said.replace('{', '').replace('}', '')} evaluations of f, against 30 for Euler."
+    number = next(x for x in numbers_in(text) if x.text == said[said.index("{") + 1 : -1] and x.start > 60)
+    assert [one.question for one in Suggestions(text).look_alikes(number)[:1] if one.strong] == [question][
+        : len(question)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("said", "claimed"),
+    [
+        ("For small q, q'' = -q. RK4 is then stable up to {}", "imaginary_limit rk4"),
+        ("For large s, s' = -3s. RK4 is then stable up to {}", "real_limit rk4"),
+        ("For small q, q'' = -q. On the real axis RK4 is stable up to {}", "real_limit rk4"),
+        ("RK4 is stable up to 2√2 = {}", "imaginary_limit rk4"),
+    ],
+)
+def test_a_limit_is_of_the_axis_of_the_equation_before_it_and_what_a_calculation_gives(said, claimed):
+    for limit, number in (("real_limit rk4", "2.785"), ("imaginary_limit rk4", "2.828")):
+        assert claims_and_slips(said.format(number))[0][number] == (claimed if limit == claimed else "")
