@@ -206,13 +206,15 @@ class LookAlikes:
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
-            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number)):
+            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
             if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
                 step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
                 kept = {x: given for x, given in place.settings.items() if x != "h"}
                 own = {"h": step} if step else {}
                 place = replace(place, settings=kept | own, near=place.near | own.keys())
+            if place.quantity in COMPARED and "h" not in place.settings:
+                place = replace(place, **self._runs_beside(number))
             rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
             if rows_of_steps and place.quantity == "observed_order":
                 place = replace(place, of_row=(self._run_of_row(number),))
@@ -224,6 +226,16 @@ class LookAlikes:
         programs = (program for program, (start, end) in self._printed if start <= number.start < end)
         given = {one.value for program in programs for one in numbers_in(program) if "." in one.text}
         return given & {*chain(*(asked_settings(known.question)["h"] for known in self.values.known if known.stated))}
+
+    def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
+        """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""
+        above = {Fraction(x) for cell in self.tables.row_of(number) for x in SETTING["h"].findall(cell.head)}
+        for x in self._company[self.tables.column_place(number)] if len(above) == 2 else ():
+            place = self._named_at(x)
+            place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
+            if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
+                return {"settings": self._named_at(number).settings | {"h": max(above)}, "of_row": (0,)}
+        return {}
 
     def _run_of_row(self, number: TextNumber) -> int:
         """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
@@ -245,7 +257,7 @@ class LookAlikes:
     @cached_property
     def _quantities(self) -> dict[int, str]:
         """What a table gives whose heads do not say it, by where it begins."""
-        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x)))
+        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x), self._unknowns))
 
     @cached_property
     def _steps(self) -> dict[int, Fraction]:

@@ -211,13 +211,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
-    if leaves_quantity(head):
+    if leaves_quantity(head, unknowns):
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
-    label = _QUANTITY.match(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
-    quantity, name = said[-1].lastgroup if said else label.lastgroup if label else "state" if head else None, None
+    label = _QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
+    told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
+    quantity, name = told.lastgroup if told else "state" if head else None, None
     of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
@@ -234,7 +235,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 name = f"{name}_{n}"
             elif n and "h" in settings:
                 settings["t"], sure = int(n) * settings["h"], True
-    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
+    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(_without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
     elif not row and (listed := _SLOPES.search(before)):
         quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
@@ -357,10 +358,16 @@ def fact_said(before: str, after: str, own: frozenset[str]) -> tuple[str, frozen
     return ("order", frozenset(methods_named(found[1]))) if found and only else None
 
 
-def leaves_quantity(head: str) -> bool:
-    """True if the head of a column names a method or a step size, so that what is read stands above the table."""
+def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
+    """True if the head of a column names a method or a step size only, so that what is read stands above the table."""
     named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
-    return bool(named) and not _QUANTITY.search(head)
+    of_unknown = _HEAD_OF_UNKNOWN.fullmatch(_without_methods(head))
+    return bool(named) and not _QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
+
+
+def _without_methods(head: str) -> str:
+    """The head without the name of a method, as Euler's y is y."""
+    return re.sub(r"\A's? ?", "", spoken_names().sub("", head).strip())
 
 
 def is_head_of(settings: str, head: str) -> bool:

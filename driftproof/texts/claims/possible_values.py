@@ -16,7 +16,7 @@ from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named
+from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named, sentence_around
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.spellings import form_of, spelled
@@ -101,9 +101,13 @@ class PossibleValues:
         return [*found, *asked, *shares]
 
     def _usual_questions(self) -> Iterator[str]:
-        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
-        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
-        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
+        found = ([x for x in SETTING[letter].findall(self.text) if len(x) < 20] for letter in "ht")
+        own, given = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
+        counts = dict[int, set[Fraction]]()  # and the step sizes that their sentences give
+        for count in COUNT_OF_STEPS.finditer(self.text):
+            said = [SETTING["h"].findall(part) for part in sentence_around(self.text, *count.span())]
+            counts.setdefault(int(count[1]), set()).update(map(Fraction, said[0][-1:] or said[1][:1]))
+        of_sizes = [(n, sizes) for n, sizes in counts.items() if n][:_MOST_COUNTS]
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self.lower)
@@ -115,8 +119,7 @@ class PossibleValues:
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                counted = (n for n in counts[:_MOST_COUNTS] if h in own)
-                ends = {Fraction(n): f"N={n}" for n in counted if not given or str(Fraction(h) * Fraction(n)) in given}
+                ends = {Fraction(n): f"N={n}" for n, of in of_sizes if h in own and (not of or Fraction(h) in of)}
                 ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
                 for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -123,11 +123,15 @@ class Suggestions(LookAlikes):
 
     def _is_of_other(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the row or sentence of the number names another method, step size, time or quantity."""
-        place, row = self._place_of(number), self.tables.row_of(number)
-        said = [cell.head for cell in row if cell.start <= number.start < cell.end] + [cell.text for cell in row]
-        named = methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
+        place, named = self._place_of(number), self._methods_beside(number)
         foreign = known.keys and named and known.keys.isdisjoint(named)
         return foreign or place.denies(known.question) or (known.rank < 2 and place.is_of_another(known.question))
+
+    def _methods_beside(self, number: TextNumber) -> set[str]:
+        """The methods that the row and the head of the number, or its sentence, name."""
+        row = self.tables.row_of(number)
+        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
+        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
         """The values of a problem, but for step sizes and times, that all of the number's column look like.
@@ -160,7 +164,8 @@ class Suggestions(LookAlikes):
         elif digits > 4 and runs and not (self.tables.row_of(number) or self._place_of(number).of_solution):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if without_sizes(x) in runs}
-        if self._place_of(number).own and not found:
+        in_row = self.tables.row_of(number) and digits > 3 and self._methods_beside(number)
+        if (self._place_of(number).own or in_row) and not found:
             others = {_METHOD.sub("", one) for one in alike}  # what another method has
             found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
         found = found or (self._out_of_step(number, named, digits) if sure else {})
@@ -183,15 +188,16 @@ class Suggestions(LookAlikes):
     def _misfit(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
         """The values that the place names, if they are of the kind of those beside the number.
 
-        Those are half of its column, at least two, of the same method or another; or outside tables the nearest one
-        written alike, of the same run or, with a value not twice or half of it, of another method.
+        Those are half of its column, at least two, of the same method or another, or one of it and half of its row and
+        column; or outside tables the nearest one written alike, of the same run or, with a value not twice or half of
+        it, of another method.
         """
         column, exact = bool(self.tables.row_of(number)), self._place_of(number).quantity == "exact"
         beside = sorted(self._company[self.tables.column_place(number)], key=lambda x: abs(x.start - number.start))[1:]
         if not column:
             alike = [x for x in beside if abs(x.start - number.start) < BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
-        held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
+        held = self._held(beside)
         for other in ("", _METHOD) if column else (_READOUT, _METHOD):
             kind = {x: re.sub(other, "", without_sizes(x) if column else x) for x in (*held, *named)}
             kinds, least = Counter(kind[x] for x in held), max(2, len(beside) // 2) if column else 1
@@ -201,7 +207,25 @@ class Suggestions(LookAlikes):
                 found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
             if found:
                 return found
-        return {}
+        if not column:
+            return {}
+        across = [x for x in self._row_mates(number) if self._place_of(x).quantity != "chosen"]
+        kinds = Counter(_METHOD.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
+        own, most = {without_sizes(x) for x in held}, (len(beside) + len(across)) / 2
+        return {
+            x: y
+            for x, y in named.items()
+            if without_sizes(x) in own and kinds[_METHOD.sub("", without_sizes(x))] >= max(3, most)
+        }
+
+    def _held(self, numbers: Iterable[TextNumber]) -> list[str]:
+        """The questions of those of the numbers that are claims."""
+        return [ones[0].question for x in numbers if (ones := self.look_alikes(x)) and ones[0].strong]
+
+    def _row_mates(self, number: TextNumber) -> Iterator[TextNumber]:
+        """The other numbers in the row of the number."""
+        row = self.tables.row_of(number)
+        return (x for x in self._numbers if row[0].start <= x.start < row[-1].end and x != number)
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""

@@ -794,3 +794,38 @@ def test_a_count_of_evaluations_is_of_the_method_and_the_steps_of_its_own_step_s
 def test_a_limit_is_of_the_axis_of_the_equation_before_it_and_what_a_calculation_gives(said, claimed):
     for limit, number in (("real_limit rk4", "2.785"), ("imaginary_limit rk4", "2.828")):
         assert claims_and_slips(said.format(number))[0][number] == (claimed if limit == claimed else "")
+
+
+ROWS = """For s' = -2s + 1, s(0) = 0 and t = 1:
+| method | h = 0.2 | h = 0.1 | ratio |
+| Euler error | 2.879e-02 | 1.398e-02 | 2.06 |
+| Heun error | 5.029e-03 | 1.056e-03 | 4.76 |
+| RK4 error | 4.037e-05 | 2.133e-06 | 18.93 |
+"""
+COLUMNS_OF_RUNS = """For s' = -2s + 1, s(0) = 0, here are the errors at t = 1:
+| h | Euler s | Euler error | Heun error | RK4 error |
+| 0.2 | 0.461120 | 0.0288 | 0.00503 | 4.04e-05 |
+| 0.1 | 0.446313 | 0.0140 | 0.00106 | 2.13e-06 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "changed"),
+    [
+        (ROWS, {}),
+        (ROWS, {"5.029e-03": "4.037e-05", "4.037e-05": "5.029e-03"}),  # exchanged
+        (ROWS, {"2.06": "3.06"}),
+        (ROWS, {"4.76": "4.77"}),  # of rounded errors
+        (COLUMNS_OF_RUNS, {}),
+        (COLUMNS_OF_RUNS, {"0.461120": "0.435200"}),  # a step too early
+        (COLUMNS_OF_RUNS, {"0.00106": "0.00137"}),
+    ],
+)
+def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):
+    written = text
+    for right, wrong in changed.items():
+        written = written.replace(f"| {right} |", f"| <{wrong}> |")
+    claimed, slips = claims_and_slips(written.replace("<", "").replace(">", ""))
+    known = {} if changed == {"4.76": "4.77"} else changed
+    assert {x: float(y[0]) for x, y in slips.items()} == {wrong: float(right) for right, wrong in known.items()}
+    assert not any(claimed[wrong] for wrong in changed.values())
