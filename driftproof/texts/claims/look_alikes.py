@@ -109,6 +109,7 @@ class LookAlikes:
         of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         kinds = {without_sizes(each.question) for each in meant if each.stated}
+        compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
         for known in (each for each in possible if each.question in alike):
@@ -121,6 +122,8 @@ class LookAlikes:
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
+            if known.question == compared:
+                rivals, denied = runs, denied or not self._is_in_order(number, compared)
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
             elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
@@ -163,6 +166,28 @@ class LookAlikes:
             if any(one.strong and " : error" in one.question for one in first):
                 return asked_quantity(first[0].question)[1] != unknown
         return unknown != ""
+
+    def _compared_at(self, number: TextNumber) -> tuple[str, int]:
+        """The one question that a ratio of errors is like whose two runs are not said, and of how many; "" for none."""
+        place = self._place_of(number)
+        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
+            return "", 0
+        known = (each for each in self.values.known if each.stated)
+        runs = {each.question for each in known if place.means(each.question, each.keys, any_runs=True)}
+        alike = [each.question for each in self.values.written_like(number) if each.question in runs]
+        return (alike[0], len(runs)) if len(alike) == 1 else ("", 0)
+
+    def _is_in_order(self, number: TextNumber, question: str) -> bool:
+        """True if the step sizes of the ratios of one kind in the sentence go down."""
+        h = asked_settings(question)["h"][0]
+        for x in self._numbers:
+            between = self.text[min(x.end, number.end) : max(x.start, number.start)]
+            if x != number and len(between) < BESIDE and not re.search(r"[.?!]\s", between):
+                other = self._compared_at(x)[0]
+                size = asked_settings(other)["h"][0] if _SIZE.sub("", other) == _SIZE.sub("", question) else h
+                if size != h and (size < h) == (x.start < number.start):
+                    return False
+        return True
 
     def methods_at(self, number: TextNumber) -> frozenset[str]:
         """The methods that the text names where the number stands."""

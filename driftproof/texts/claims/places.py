@@ -101,7 +101,7 @@ _SHORT_NAMES["kutta"] = "kutta's third-order method"
 # The slopes of a step before the next one of their list, as in "the slopes are 0.34, 0.38 and".
 _SLOPES = re.compile(r"\bslopes\b(?:(?!\.\s)[^;:]){0,80}?(?:\bare|:) ?((?:[-+]?[0-9.]+(?:, ?(?:and )?| and ))*)\Z")
 # Words for methods that were named before.
-_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|they|both)\b")
+_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|(?:the|these) (?:last )?ratios|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
@@ -156,10 +156,15 @@ class Place:
         asked = asked_settings(question)["h"]
         return not asked or self.settings.get("h") in (None, *asked)
 
-    def means(self, question: str, methods: set[str]) -> bool:
-        """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
+    def means(self, question: str, methods: set[str], any_runs: bool = False) -> bool:
+        """True if a question about one of these methods asks for what is named here, and all that it asks for is.
+
+        Which two runs it compares need not be said for `any_runs`.
+        """
         quantity, unknown = asked_quantity(question)
         for x, given in asked_settings(question).items():
+            if any_runs and x == "h" and x not in self.settings and quantity in COMPARED:
+                continue
             compared = [given[i] for i in self.of_row if given[i:]]
             if given and self.settings.get(x) not in (compared if quantity in COMPARED else given[:1]):
                 return False
@@ -211,6 +216,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
+    if not row and re.match(r"\s*(?:and |while )?th(?:at|ose) of\b", before):  # of what the clauses before are of
+        about = re.split(r"[.?!]\s", text[max(0, start - _NEAR) : start])[-1]
     if leaves_quantity(head, unknowns):
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
@@ -291,7 +298,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
     """The method of a number in "the methods have orders 2 and 1", if the paragraph so far names as many methods."""
     said = _METHODS_BEFORE.search(before)
-    names = names_in_order(text[-_NEAR:].rpartition("\n\n")[2]) if said and not methods_named(before) else []
+    names = names_in_order(re.split(r"\n\n|\|", text[-_NEAR:])[-1]) if said and not methods_named(before) else []
     return methods_said_of(" and ".join(names) + before[said.end() :], after) if said and names[1:] else set()
 
 

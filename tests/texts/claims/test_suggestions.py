@@ -829,3 +829,28 @@ def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):
     known = {} if changed == {"4.76": "4.77"} else changed
     assert {x: float(y[0]) for x, y in slips.items()} == {wrong: float(right) for right, wrong in known.items()}
     assert not any(claimed[wrong] for wrong in changed.values())
+
+
+FALLS = """\
+For s' = -2s + 1, s(0) = 0 and t = 1 we take h = 0.2, h = 0.1 and h = 0.05. With each halving, the error of Euler's
+method falls by a factor of {} and then {}; that of Heun's method by {} and {}.
+These ratios are observed orders of {} and {}. It is {} times as dear.
+"""
+RIGHT = ("2.059", "2.032", "4.761", "4.337", "1.042", "2.251", "2.06")
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        {"2.059": "2.032", "2.032": "2.059"},  # exchanged
+        {"4.761": "2.032"},  # Euler's
+        {"1.042": "2.251", "2.251": "1.042"},
+    ],
+)
+def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_large_steps_to_small_ones(changed):
+    suggestions = Suggestions(FALLS.format(*(changed.get(x, x) for x in RIGHT)))
+    numbers = [x for x in numbers_in(suggestions.text) if "." in x.text][-7:]
+    claimed = [any(one.strong for one in suggestions.look_alikes(x)[:1]) for x in numbers]
+    assert claimed == [*(x not in changed for x in RIGHT[:-1]), False]
+    assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())
