@@ -55,6 +55,7 @@ STARTING = re.compile(
     r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
     r"(?:(?!\.\s|;\s(?!we\b))[^|()]){0,100}"
 )
+_STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
 _NUMBER = (
@@ -243,6 +244,12 @@ def without_starters(text: str) -> str:
         return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
 
     return STARTING.sub(lambda clause: spoken_names().sub(blank, clause[0].replace("-", " ")), text)
+
+
+def starters_said(text: str) -> set[str]:
+    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
+    said = " ".join(clause for clause in STARTING.findall(text) if _STARTED.search(clause))
+    return {*METHODS} & methods_named(said) | ({"exact"} if "exact" in said else set[str]())
 
 
 def lowered(text: str, questions: Iterable[str]) -> str:
