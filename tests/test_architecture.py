@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5539,
-    "symbolic": 10721,
+    "methods": 5549,
+    "symbolic": 10733,
     "numeric": 4018,
-    "blackbox": 22074,
+    "blackbox": 22076,
     "enclosure": 4899,
-    "texts": 10090,
+    "texts": 10133,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5929
+BUDGET_OF_REPORTS_AND_FRONT = 5941
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

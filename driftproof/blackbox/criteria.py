@@ -127,7 +127,7 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tole
         return _other_coefficients(method, reading, identity)
     lines = [*identity.lines]
     if isinstance(reading, ForceReading):
-        from driftproof.symbolic.facts import stated_order
+        from driftproof.symbolic.claimed_orders import stated_order
 
         if reading.refused and isinstance(method, RungeKutta):
             return None, [*lines, f"{NO_TABLEAU}: {reading.refused}"], {}, _READABLE
@@ -168,12 +168,14 @@ def _judge_nonlinear_step(method: Method, found: NonlinearAgreement) -> Judged:
 
 def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
     """A splitting claims its order on q'' = F(q), a Runge-Kutta method on every problem."""
-    from driftproof.symbolic.facts import stated_order
+    from driftproof.symbolic.claimed_orders import stated_order
 
     found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
     order = stated_order(method)
     passed = None if found.order is None else found.order >= order
-    return passed, [f"{method.key} has order {order}", found.words], {"measured": found.order}, "smaller roundoff"
+    claimed = f", not {method.claimed_order} as its table claims" if 0 < method.claimed_order != order else ""
+    lines = [f"{method.key} has order {order}{claimed}", found.words]
+    return passed, lines, {"measured": found.order}, "smaller roundoff"
 
 
 def _judge_estimate(method: Method, found: JudgedEstimate) -> Judged:

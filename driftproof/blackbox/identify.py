@@ -42,7 +42,7 @@ from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, MAP, S
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS, entry_named
 from driftproof.methods.families import Family
-from driftproof.methods.tableau_file import subject_of
+from driftproof.methods.given_methods import subject_of
 from driftproof.support.plain_text import Json
 
 # Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.
@@ -89,8 +89,7 @@ def identify(
 
 def _identified_table(name: str) -> Report:
     """Which method of the catalogue the table in a file is, its order, and the orders that it claims and lacks."""
-    from driftproof.symbolic.claimed_orders import unreached_orders
-    from driftproof.symbolic.facts import stated_order
+    from driftproof.symbolic.claimed_orders import stated_order, unreached_orders
     from driftproof.symbolic.known_methods import known_as
 
     method = subject_of(name)
@@ -197,12 +196,14 @@ class Identification:
         damping: Damping | None = seen.damping.result
         damps = damping.faults if damping and not seen.ignores_step else []
         faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
+        orders = [*([] if seen.read is None else seen.read.order.lines), *(found.words for found in _measured(seen))]
+        orders += ["the order on nonlinear problems is not known"] * (seen.order.kind == "unsupported_call")
         stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
         evidence = sections(
             ("What to do", self._what_to_do),
             ("Faults", faults),
             ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
-            ("Order", _orders(seen)),
+            ("Order", orders),
             ("One-step matrix", [] if seen.fit is None or seen.naming.basis is Basis.UNDECIDED else seen.fit.lines),
             ("Damping", damping.lines if damping and not damping.faults else []),
             ("Error estimate", _returned_besides_y1(seen.estimate)),
@@ -287,10 +288,3 @@ def _measured(seen: Seen) -> Sequence[MeasuredOrder]:
     """The orders measured; of a step that has a drag built in, that with the drag added to the force."""
     damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
     return seen.measured if damped is None else (damped,)
-
-
-def _orders(seen: Seen) -> list[str]:
-    by_trees = [] if seen.read is None else seen.read.order.lines
-    measured = [found.words for found in _measured(seen)]
-    linear_only = seen.order.kind == "unsupported_call"
-    return [*by_trees, *measured, *(["the order on nonlinear problems is not known"] if linear_only else [])]

@@ -152,7 +152,11 @@ class Seen:
         twins = tuple(self.twins.result or ())
         alike = f"; its nonlinear steps are those of {', '.join(twins)}" if twins else ""
         if fit is not None and fit.best is not None:
-            return _by_linear_steps(fit, fit.best, alike, twins)
+            best, nearest = fit.best, fit.nearly or fit.nearest
+            keys = (*best.methods, *(nearest.methods if nearest is not None else ()), *twins)
+            reserved = bool(best.restriction) or not best.rates_are_right or (nearest is not None and nearest.off > 0)
+            words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}"
+            return Naming(Basis.LINEAR_ONLY, words, keys, reserved)
         if read is not None and read.identity.near:
             return _near(read.identity.near[0])
         if fit is not None and read is None and (nearly := fit.nearly):
@@ -226,15 +230,6 @@ class Seen:
 
 def _near(near: Near, solved: str = "") -> Naming:
     return Naming(Basis.NEAR, f"it is {near.name}{solved}", (near.key,), reserved=bool(solved))
-
-
-def _by_linear_steps(fit: LinearFit, best: LinearCandidate, alike: str, twins: tuple[str, ...]) -> Naming:
-    """The simplest explanation of the linear steps; `alike` names the `twins`, methods with its nonlinear steps."""
-    nearest = fit.nearly or fit.nearest
-    keys = (*best.methods, *(nearest.methods if nearest is not None else ()), *twins)
-    reserved = bool(best.restriction) or not best.rates_are_right or (nearest is not None and nearest.off > 0)
-    words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}"
-    return Naming(Basis.LINEAR_ONLY, words, keys, reserved)
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:

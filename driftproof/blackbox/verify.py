@@ -28,8 +28,8 @@ from driftproof.blackbox.report import Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
+from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import method_of, subject_of
 from driftproof.support.assertions import AssertedVerdict, RemarkWarning, assert_verdict, time_limit_of_test
 from driftproof.symbolic.rounding.formats import BINARY64
 
@@ -131,6 +131,8 @@ def assert_verified(
 
 def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:
     """The report on a stepper compared with a one-step method, or with one that turns if the stepper turns vectors."""
+    from driftproof.symbolic.claimed_orders import false_claims
+
     replies = runner.run([*(question.ask for question in questions), *_REMARKS])
     seen = Verification(method, questions, dict(zip((each.title for each in questions), replies, strict=False)))
     rounding = seen.outcomes[criteria.ROUNDING]
@@ -159,6 +161,7 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     told = (reply.result for reply in replies if isinstance(reply.result, Remarked))
     checked = (check for reply in replies[len(questions) :] for check in reply.result or () if check.holds is False)
     remarks = [f"remark: {each.words}" for each in (*told, *checked)]
+    remarks += [f"remark: {method.key} itself: {each}" for each in false_claims(method)]
     data["remarks"] = list(remarks)
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
     parts.append(("Calls made", [f"{made} calls of the stepper"] * bool(made)))  # a process that was ended counts none

@@ -89,8 +89,8 @@ def facts_command(options: Namespace) -> str:
         cli.refuse(options, ("picture",), "without --plot")
     else:
         if not isinstance(sheet, MethodFacts):
-            member = "of a family, --at chooses it; else `driftproof facts` works without --plot"
-            raise ValueError(f"--plot takes one method that steps one state by f: {member}")
+            takes = "--plot takes one method of one step, without --system; --at chooses a member of a family"
+            raise ValueError(f"{takes}; `driftproof facts` without --plot has the facts of all")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)

@@ -95,7 +95,7 @@ def _of_basis(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
     knots, coefficients, degree = of
     t, count = _exact(knots), len(knots) - degree - 1
     x = _within(x, t[degree], t[count], extrapolate)
-    i = min(bisect_right(t, x, degree + 1, count) - 1, count - 1)
+    i = bisect_right(t, x, degree + 1, count) - 1
     d = [*_exact(coefficients)[i - degree : i + 1]]
     for level in range(1, degree + 1):
         for j in range(degree, level - 1, -1):
@@ -114,9 +114,9 @@ def _of_points(table: Any, x: Enclosed) -> Any:
             if beyond:
                 return _exact(getattr(table, fill)).item()
     if table._kind == "previous":
-        return values[max(bisect_right(knots, x) - 1, 0)]
+        return values[bisect_right(knots, x) - 1]
     if table._kind == "next":
-        return values[min(bisect_left(knots, x), len(knots) - 1)]
+        return values[bisect_left(knots, x)]
     if table._kind.startswith("nearest"):
         return values[sorted_place(table.x_bds, x, table._side)]
     of_lines = ([knots[0], *knots, knots[-1]], values, 1)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm, prod
-from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from driftproof.methods.number_field import (
@@ -20,7 +19,6 @@ from driftproof.methods.number_field import (
     real_root_balls,
     total,
 )
-from driftproof.support.plain_text import shortened
 
 if TYPE_CHECKING:
     from flint import arb
@@ -326,14 +324,6 @@ def lagrange_integrals(nodes: Sequence[Any], polynomial: Callable[[Sequence[Any]
 
 
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
-
-
-def require_method(given: object) -> None:
-    """Raise TypeError, with what to write, if the name or the file of a method is given rather than the object."""
-    if isinstance(given, str | PathLike):
-        what = "a string" if isinstance(given, str) else "a path"
-        need = "a method is needed: METHODS[...], or read_method(...) for a .toml file"
-        raise TypeError(f"{shortened(str(given))!r} is {what}, and {need}")
 
 
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:

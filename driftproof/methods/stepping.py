@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any, TypeAlias
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.schemes import Method, require_method
+from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import CalledField, FieldSource, field_source
 
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.
@@ -32,7 +34,7 @@ def step_source(method: Method) -> FieldSource:
     return field_source(method, CalledField(("q", "v"), "force({1})", autonomous=True))
 
 
-def stepper(method: Method, lift: Lift) -> Step:
+def stepper(method: str | Path | Method, lift: Lift) -> Step:
     """The step (force, q, v, h) → (q₁, v₁) of `method` for q' = v, v' = force(q): the text of `step_source`.
 
     `lift` converts each exact coefficient to the number type of q, v and h. It is needed because coercion would turn
@@ -45,8 +47,7 @@ def stepper(method: Method, lift: Lift) -> Step:
     >>> step(lambda q: -q, Fraction(1), Fraction(0), Fraction(1, 2))
     (Fraction(337, 384), Fraction(-23, 48))
     """
-    require_method(method)
-    make, coefficients = _compiled(method)
+    make, coefficients = _compiled(method_of(method))
     step: Step = make(*(lift(c) for c in coefficients))
     return step
 

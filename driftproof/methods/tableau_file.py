@@ -23,30 +23,20 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from os.path import exists, isdir
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import (
-    METHODS,
-    Entry,
     FactsOnly,
-    entry_named,
-    keys_of_name,
-    names_listed,
-    of_one_state,
 )
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
-from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
+from driftproof.methods.families import Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.names import plain_name
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.support.files import file_named
-from driftproof.support.plain_text import shortened
 from driftproof.support.toml_tables import (
     TomlTable,
     as_choice,
@@ -73,8 +63,6 @@ _NAME = re.compile(r"[A-Za-z_]\w{0,30}", re.ASCII)
 _RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
-# Methods as users give them, one or several: a key or name, a file, the method itself.
-GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
 # Maps an expression, and its place in the file, to the number that it spells.
 Read = Callable[[str, str], Any]
 
@@ -335,92 +323,3 @@ _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "rosenbrock": (("alpha", "gamma", "b", "b_embedded", "embedded_order"), _rosenbrock),
 }
 _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _family)
-
-
-def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
-    """The method with this key or name, or in this .toml file; a method is returned as it is.
-
-    Raises ValueError for anything else, including a family and a method of which there are only facts.
-    """
-    subject = subject_of(given)
-    if isinstance(subject, Family):
-        what = f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed"
-        raise ValueError(f"{what}, such as '{given if isinstance(given, str | Path) else subject.key} at 1/2'")
-    return of_one_state(subject, str(given) if isinstance(given, str | Path) else "")
-
-
-def methods_of(given: GivenMethods) -> list[Entry]:
-    """One method or several, whose keys may stand in one text: "rk4,heun2"; not all of them may have facts only.
-
-    Raises ValueError.
-    """
-    found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
-    return found if any(isinstance(each, Method) for each in found) else [*map(of_one_state, found)]
-
-
-_GIVE, _FIRST = "give a key, a .toml file, or a method", "; what is examined comes first"
-
-
-def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
-    if isinstance(given, str):
-        return names_listed(given)
-    return given if isinstance(given, Sequence) else [given]
-
-
-def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
-    """Like `method_of`, but also for families and for methods of which there are only facts.
-
-    A family or its file with a value, such as "explicit_order_2 at 2/3", is a member of the family.
-    """
-    if isinstance(given, Method | Family | FactsOnly):
-        return given
-    if isinstance(given, KeyOfMethod):
-        return given.method
-    if not isinstance(given, str | Path):
-        raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
-    name = str(given)
-    if name.endswith(".toml"):
-        return read_method(file_named(name))
-    of, at, value = f"{name} ".rpartition(" at ")
-    if at and not keys_of_name(name):
-        if not isinstance(family := subject_of(of), Family):
-            raise ValueError(f"{family.key} has no parameter; only families such as sdirk_order_2 do")
-        return family.member(parse_number(value.strip(), family.parameter))
-    families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
-    called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))
-    found = next(called, None)
-    if not found and not keys_of_name(name) and exists(path := file_named(name)) and not isdir(path):
-        raise ValueError(f"{shortened(name)}: the name of a method's file ends in .toml")
-    return found or entry_named(name)
-
-
-class KeyOfMethod(str):
-    """The key of a method that is not in the catalogue, with the method itself: scenes name methods by text."""
-
-    __slots__ = ("method",)
-    method: Method
-
-    def __new__(cls, method: Method) -> KeyOfMethod:
-        """Keep the method; one with the key of another method in the catalogue is "of your own"."""
-        found = super().__new__(cls, f"{method.key} of your own" if method.key in METHODS else method.key)
-        found.method = method
-        return found
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """The method, from which another process makes the key again."""
-        return KeyOfMethod, (self.method,)
-
-
-def names_of(given: GivenMethods) -> list[str]:
-    """The keys and files by which a scene names these methods. Raises ValueError for two of your own with one key."""
-    named = list[str]()
-    for each in _each(given):
-        if isinstance(each, str | Path):
-            named.append(each if isinstance(each, str) else str(each))
-        else:
-            named.append(each.key if METHODS.get(each.key) == each else KeyOfMethod(each))
-    own: dict[str, Method] = {}
-    for name in named:
-        if isinstance(name, KeyOfMethod) and own.setdefault(name, name.method) != name.method:
-            raise ValueError(f"two methods have the key {name}; give each a key of its own")
-    return named

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step, oscillator
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper

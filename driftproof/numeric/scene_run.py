@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import (
     Counter,

@@ -12,8 +12,8 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from pathlib import Path
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.rationals import parse_rational, step_count
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
 from driftproof.support.plain_text import unknown

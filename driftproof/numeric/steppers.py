@@ -51,7 +51,7 @@ def hand_written(method: Method) -> Step | None:
 
 def float_stepper(method: Method | str) -> Step:
     """The stepper of a method, given itself or by name, in float runs: the hand-written step if there is one."""
-    from driftproof.methods.tableau_file import method_of  # loads the catalogue and the reader of files
+    from driftproof.methods.given_methods import method_of  # loads the catalogue and the reader of files
 
     method = method_of(method)
     return hand_written(method) or stepper(method, float)

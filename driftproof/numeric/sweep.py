@@ -27,7 +27,7 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TRAJECTORY, Scene

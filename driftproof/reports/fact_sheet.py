@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, overload
 from driftproof.methods.catalogue import Entry, FactsOnly
 from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
+from driftproof.methods.given_methods import subject_of
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import subject_of
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
 from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from driftproof.methods.tableau_file import GivenMethods, methods_of
+from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.document import Part, document, scene_title
 from driftproof.reports.page.problem import STIFF_METHODS, problem_part, stiff_part

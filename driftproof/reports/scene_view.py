@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene
@@ -20,6 +20,8 @@ COMPARED_READOUTS = tuple(_COMPARED)
 # Digits of the components of a problem's state.
 _DIGITS = 6
 UNDEFINED = "undefined at the origin"
+# Characters of a message in a cell, about as many as a title has.
+_LONGEST_CELL = 40
 
 
 def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
@@ -71,7 +73,8 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     if "certified" in shown:
         parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
     if "table" in shown:
-        compared = table(comparison_rows(shown["table"]), right=(1, 2, 3))
+        rows, remarks = comparison_rows(shown["table"])
+        compared = "\n\n".join([table(rows, right=(1, 2, 3)), *remarks])
         parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
     return "\n\n".join(parts)
 
@@ -146,15 +149,20 @@ def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
     return rows
 
 
-def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
-    """The header of the table of methods, and a row for each; a run that failed has its message in the second cell."""
+def comparison_rows(rows: dict[str, Readouts | str]) -> tuple[list[list[str]], list[str]]:
+    """The header of the table of methods, and a row for each; then remarks that stand below it.
+
+    A run that failed has its message in the second cell, or below the table if it is long.
+    """
     given = [readouts for readouts in rows.values() if not isinstance(readouts, str)]
     names = [name for name in _COMPARED if not given or name in given[0]]
-    lines = [["Method", *(_COMPARED[name] for name in names)]]
+    lines, remarks = [["Method", *(_COMPARED[name] for name in names)]], list[str]()
     for key, readouts in rows.items():
         if isinstance(readouts, str):
-            lines.append([method_of(key).title, readouts, *[""] * (len(names) - 1)])
+            is_long, title = len(readouts) > _LONGEST_CELL, method_of(key).title
+            lines.append([title, "see below" if is_long else readouts, *[""] * (len(names) - 1)])
+            remarks += [f"{title}: {readouts}"] * is_long
         else:
             cells = [x if isinstance(x := readouts[name], int) else short(x) for name in names]
             lines.append([method_of(key).title, *map(str, cells)])
-    return lines
+    return lines, remarks

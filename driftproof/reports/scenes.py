@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from driftproof.methods.tableau_file import GivenMethods, names_of
+from driftproof.methods.given_methods import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, scene_named
 from driftproof.reports.progress import count_steps

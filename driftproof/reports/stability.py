@@ -13,9 +13,9 @@ from flint import ctx
 
 from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
+from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS

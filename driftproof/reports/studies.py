@@ -9,8 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from driftproof.enclosure.problem_tables import GivenParameters
+from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.rationals import ExactNumber
-from driftproof.methods.tableau_file import GivenMethods, methods_of
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import progress_bar
@@ -85,8 +85,8 @@ def work_precision(
             written = [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     stiff = (
-        f"This is stiff: an eigenvalue of df/dy is {-decay:.2g} at t = {at:g}, for which rk4 needs some"
-        f" {decay * about.t / RK4_LIMIT:.0f} steps, whatever the accuracy; implicit methods do not"
+        f"This is stiff: an eigenvalue of df/dy is {-decay:.2g} at t = {at:g}, where errors of rk4 grow in steps above"
+        f" {RK4_LIMIT / decay:.2g}, some {decay * about.t / RK4_LIMIT:.0f} in the run; those of implicit methods do not"
         if usual is _FOR_STIFF
         else ""
     )

@@ -10,8 +10,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
+from driftproof.methods.given_methods import GivenMethods, names_of
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
-from driftproof.methods.tableau_file import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import PRESETS, Scene

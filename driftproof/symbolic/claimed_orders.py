@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from typing import Any, NamedTuple
 
-from driftproof.methods.catalogue import Entry
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
@@ -61,6 +61,29 @@ def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[U
     return missed
 
 
+def stated_order(method: Entry) -> int:
+    """The order that the method claims, if it reaches that, or else the one that it has."""
+    if not method.claimed_order:
+        return int(derived(method).order)
+    return next((found.order for found in false_claims(method) if not found.embedded), method.claimed_order)
+
+
+def false_claims(method: Entry) -> list[UnreachedOrder]:
+    """`unreached_orders` of a method of the user's own; those of the catalogue are tested to have none."""
+    return [] if method in (METHODS.get(method.key), FACTS_ONLY.get(method.key)) else unreached_orders(method)
+
+
+def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
+    """`stated_order` of each method, by key.
+
+    >>> from driftproof.methods.catalogue import METHODS
+    >>> from driftproof.symbolic.claimed_orders import stated_orders
+    >>> stated_orders([METHODS["rk4"]])
+    {'rk4': 4}
+    """
+    return {method.key: stated_order(method) for method in methods}
+
+
 def _exchanged(method: Any) -> Iterator[tuple[str, Entry]]:
     """The table with its rows in other places, and what then may be wrong with the one given."""
     if isinstance(method, Multistep) and method.rho[0]:
@@ -104,8 +127,9 @@ def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> Unr
         if max(_but_for_rounding(replace(method, decimal=True))) >= claimed:
             remark = "; decimal = true says that its coefficients are rounded, which explains that"
         elif within and small < Fraction(1, 100) and within(small).order == claimed:
-            size = scientific(abs(residual), RESIDUAL_DIGITS, AWAY)
+            size, most = scientific(abs(residual), RESIDUAL_DIGITS, AWAY), scientific(small, 1, AWAY)
             remark = f": a condition fails by {size}, more than its digits explain"
+            remark += f"; `facts --order-tolerance {most}` allows that"
     return UnreachedOrder(method, embedded, reached, remark)
 
 

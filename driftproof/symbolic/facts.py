@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, FactsOnly
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
@@ -263,27 +265,7 @@ def general_order(method: Method) -> OrderFact[Any]:
     return order_conditions.order_of(general_conditions(method))
 
 
-def stated_order(method: Entry) -> int:
-    """The order that the method claims, or else the derived one."""
-    if method.claimed_order:
-        return method.claimed_order
-    if isinstance(method, FactsOnly):
-        return int(facts_only(method, ("order",))["order"])
-    return general_order(method).order
-
-
-def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
-    """`stated_order` of each method, by key.
-
-    >>> from driftproof.methods.catalogue import METHODS
-    >>> from driftproof.symbolic.facts import stated_orders
-    >>> stated_orders([METHODS["rk4"]])
-    {'rk4': 4}
-    """
-    return {method.key: stated_order(method) for method in methods}
-
-
-def order_within(method: Method, tolerance: ExactNumber) -> OrderWithin:
+def order_within(method: str | Path | Method, tolerance: ExactNumber) -> OrderWithin:
     """The order to a tolerance, that on second-order problems, and that of an embedded method.
 
     It is not the order, which only exact equality decides. It is at most TOLERANCE_ORDER, or the order if that is
@@ -294,7 +276,7 @@ def order_within(method: Method, tolerance: ExactNumber) -> OrderWithin:
     >>> order_within(METHODS["tsitouras54"], Fraction(1, 10**12)).order
     5
     """
-    require_method(method)
+    method = method_of(method)
     tolerance = exact_number(tolerance, "tolerance")
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")

@@ -9,8 +9,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, ctx
 
-from driftproof.methods.rationals import step_count
-from driftproof.methods.schemes import Method, require_method
+from driftproof.methods.given_methods import method_of
+from driftproof.methods.rationals import exact_number, step_count
+from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import EnclosedReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
@@ -156,8 +157,10 @@ class OscillatorRun:
     start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
 
     def __post_init__(self) -> None:
-        """Raise ValueError if h does not divide t."""
-        require_method(self.method)
+        """Read the method, h and t as users give them. Raises ValueError if h does not divide t."""
+        read = {"method": method_of(self.method), "h": exact_number(self.h, "h"), "t": exact_number(self.t, "t")}
+        for name, value in read.items():
+            object.__setattr__(self, name, value)
         step_count(self.t, self.h)
 
     @property

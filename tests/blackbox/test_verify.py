@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
@@ -85,6 +86,15 @@ def test_a_method_of_a_file_that_claims_no_order_is_held_to_the_order_that_is_de
     tableau = tmp_path / "mine.toml"
     tableau.write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n', encoding="utf-8")
     assert "mine has order 2" in str(held(codes.ralston, str(tableau)))
+
+
+def test_a_method_of_a_file_that_claims_too_high_an_order_is_held_to_its_own_and_told_so():
+    mine = replace(METHODS["ralston2"], key="mine", claimed_order=3)
+    report = held(codes.ralston, mine)
+    assert report.passed
+    assert report.verdict.endswith("; remark: mine itself: claimed order 3, has 2")
+    assert "mine has order 2, not 3 as its table claims" in report.text()
+    assert "remark" not in held(codes.ralston, replace(mine, claimed_order=2)).verdict
 
 
 def test_a_method_of_ones_own_is_not_called_by_the_name_of_another(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 import driftproof
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.expressions import parse_system
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 
 DAMPED = "0 1; -1 -1/10"
@@ -211,8 +211,9 @@ def test_of_a_reducible_table_it_is_said_which_facts_are_of_the_table_and_which_
     assert found["reduction"]["irreducible_stages"] == 1
     assert found["reduction"]["of_the_table"] == ["stages", "stiffly_accurate"]
     assert found["reduction"]["of_the_irreducible_method"] == ["symplectic"]
-    for only in ((), ("--only", "stages")):
+    for only in (("--all",), ("--only", "stages")):
         assert "stages that count: 1; of the table as written: stages" in answer("facts", str(mine), *only)
+    assert "1 of them; which facts that concerns: --all\n" in answer("facts", str(mine))
     assert "irreducible" not in answer("facts", "rk4")
     assert set(facts(str(mine), "--only", "order")) == {"order"}, "the same of both"
     assert facts("rk4", "--only", "reduction") == {"reduction": None}

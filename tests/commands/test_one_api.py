@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import driftproof
-from driftproof import FAMILIES, METHODS, PRESETS
+from driftproof import FAMILIES, METHODS, PRESETS, OscillatorRun, stability_function_of, stepper
 from driftproof.commands.listing import COMMANDS, command_named
 
 ROOT = Path(__file__).parents[2]
@@ -142,11 +142,9 @@ REFUSED = {
     "check('text.md')": "text.md: No such file or directory",
 }
 MEANT = {
-    "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) for a .toml file",
-    "Facts(Path('mine.toml'))": "'mine.toml' is a path, and a method is needed",
-    "OscillatorRun('rk4', Q(1), Q(1))": "a method is needed",
-    "stepper('rk4', float)": "a method is needed", "stability_function_of('rk4')": "a method is needed",
-    "order_within('rk4', Q(1))": "a method is needed",
+    "Facts('rk5')": "unknown method 'rk5'", "Facts(Path('mine.toml'))": "mine.toml: No such file",
+    "OscillatorRun('rk4', 0.1, 1)": "h: the double 0.1 is not 0.1 exactly", "stepper(4, float)": "'4' is not a method",
+    "stability_function_of('sdirk_order_2')": "one method is needed", "order_within('rk5', 0)": "unknown method 'rk5'",
 }  # fmt: skip
 
 
@@ -156,6 +154,12 @@ def test_what_makes_no_sense_is_refused_in_one_line(call):
         eval(call, NAMES)
     assert {**REFUSED, **MEANT}[call] in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_functions_take_methods_as_commands_do():
+    assert stability_function_of("RK4") == stability_function_of(METHODS["rk4"])
+    assert OscillatorRun("Euler", "1/4", 0.5).energy == OscillatorRun(METHODS["forward_euler"], Q(1, 4), Q(1, 2)).energy
+    assert stepper("heun", Q)(lambda q: -q, Q(1), Q(0), Q(1, 2)) == (Q(7, 8), Q(-1, 2))
 
 
 # What reads or writes files, and how it is asked for one at PATH.
@@ -173,6 +177,8 @@ FILES = {
     ".md.j2": ["render(PATH)"],
     ".json": ["diff(PATH, 'x.json')", "diff('x.json', PATH)"],
 }
+FUNCTIONS = ("Facts(PATH)", "OscillatorRun(PATH, 1, 1)", "stepper(PATH, float)", "stability_function_of(PATH)")
+FILES[".toml"] += [*FUNCTIONS, "order_within(PATH, 0)"]
 READERS = [(suffix, call) for suffix, calls in FILES.items() for call in calls]
 
 

@@ -17,7 +17,9 @@ from scipy.interpolate import (
     make_interp_spline,
 )
 
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.evaluations import Evaluation, Refused
+from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.solutions import enclose_solution
 from tests.enclosure.integrals import END, integral, off
 
@@ -29,10 +31,9 @@ B_SPLINES, PARABOLAS = make_interp_spline([0, *KNOTS[1:-1], 5], DATA), make_inte
 THROUGH = UnivariateSpline([0.0, *KNOTS[1:-1], 5.0], DATA, k=1, s=0)
 LINES, CURVED = interp1d(KNOTS, DATA, fill_value="extrapolate"), interp1d([0, *KNOTS[1:-1], 5], DATA, "cubic")
 ENDING = interp1d(KNOTS, DATA, bounds_error=False, fill_value=(7.0, 2.0))
-PREVIOUS, NEXT, NEAREST = (
-    interp1d(KNOTS, DATA, kind, bounds_error=False, fill_value=(DATA[0], DATA[-1]))
-    for kind in ("previous", "next", "nearest")
-)
+FIRST_AND_LAST = {"bounds_error": False, "fill_value": (DATA[0], DATA[-1])}
+KINDS = ("previous", "next", "nearest", "nearest-up")
+PREVIOUS, NEXT, NEAREST, NEAREST_ABOVE = (interp1d(KNOTS, DATA, kind, **FIRST_AND_LAST) for kind in KINDS)
 HALVES = [0.75, 1.625, 3.125]
 
 
@@ -199,3 +200,32 @@ def test_angle_of_a_point_on_a_circle_jumps_on_one_side_only():
     with ctx.workprec(160):
         assert found.states[-1][2].overlaps((9 - 2 * arb.pi()) ** 2 / 2)
     assert found.states[-1][2].rad() < 1e-20
+
+
+CHOSEN = {
+    "bins": lambda x: np.digitize(x, KNOTS), "bins on the left": lambda x: np.digitize(x, KNOTS, right=True),
+    "falling": lambda x: np.digitize(x, KNOTS[::-1]), "falling, left": lambda x: np.digitize(x, KNOTS[::-1], True),
+    "left": lambda x: np.searchsorted(KNOTS, x), "right": lambda x: np.searchsorted(KNOTS, x, "right"),
+    "previous": lambda x: PREVIOUS(x), "next": lambda x: NEXT(x), "nearest": lambda x: NEAREST(x),
+    "nearest above": lambda x: NEAREST_ABOVE(x), "angle": lambda x: np.arctan2(x - 1, -1.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CHOSEN)
+def test_at_an_edge_that_is_chosen_which_floats_choose(name):
+    given = CHOSEN[name]
+    choose = enclosable(lambda t, y: [given(y[0])])
+    for x in (0.0, *KNOTS, *HALVES, 5.0):
+        (found,) = choose(0, [Enclosed(Evaluation(), arb(x), exact=Fraction(x))])
+        assert abs(float(getattr(found, "value", found)) - given(x)) < 1e-15, x
+
+
+def test_data_are_refused_beyond_their_ends_and_by_another_order():
+    ending, lines = UnivariateSpline(KNOTS, DATA, k=1, s=0, ext=1), interp1d(KNOTS, DATA)
+    for said, f in (
+        ("a spline beyond its ends", lambda t, y: [ending(t)]),
+        ("data beyond their ends", lambda t, y: [lines(t)]),
+        ("a sorter", lambda t, y: [np.searchsorted(KNOTS, t, sorter=[0, 1, 2, 3])]),
+    ):
+        with pytest.raises(Refused, match=said):
+            enclose_solution(f, [Fraction(0)], [Fraction(1), END])

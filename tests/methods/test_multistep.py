@@ -7,10 +7,10 @@ import pytest
 
 from driftproof import METHODS, facts, read_method, value
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named, method_named
+from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.tableau_file import method_of, subject_of
 from tests.looping import exactly
 
 SQRT2 = square_root(2)

@@ -4,8 +4,8 @@ import pytest
 
 from driftproof import FAMILIES, METHODS
 from driftproof.methods.catalogue import FACTS_ONLY, method_named, names_listed
+from driftproof.methods.given_methods import methods_of, subject_of
 from driftproof.methods.names import EASILY_CONFUSED, also_known_as, keys_called, plain_name
-from driftproof.methods.tableau_file import methods_of, subject_of
 from tests.looping import some
 
 # As in textbooks, libraries and encyclopedias, spelled as there.

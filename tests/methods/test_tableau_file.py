@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
@@ -12,10 +11,11 @@ import pytest
 
 from driftproof.methods import tableau_file
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.tableau_file import method_of, methods_of, names_of, read_method
+from driftproof.methods.tableau_file import read_method
 from tests.methods.conftest import Write
 from tests.methods.tables.entries import entry
 
@@ -244,54 +244,6 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
         path.write_text(ONE, encoding="utf-8")
         assert read_method(path).key == key
         assert read_method(str(path)).key == key
-
-
-def test_scene_names_a_method_by_its_key_its_file_or_itself() -> None:
-    assert names_of(["rk4", Path("mine.toml"), METHODS["heun2"]]) == ["rk4", "mine.toml", "heun2"]
-    assert names_of("rk4, heun2") == [*names_of(METHODS["rk4"]), *names_of(Path("heun2"))]
-    own, other = replace(METHODS["rk4"], source="mine"), replace(METHODS["heun2"], key="mine")
-    named = names_of([own, "rk4", other])
-    assert named == ["rk4 of your own", "rk4", "mine"]
-    assert [method_of(pickle.loads(pickle.dumps(each))) for each in named] == [own, METHODS["rk4"], other]
-    with pytest.raises(ValueError, match="two methods have the key rk4 of your own; give each a key of its own"):
-        names_of([own, replace(own, title="Another")])
-
-
-def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
-    path = tmp_path / "mine at home.toml"
-    path.write_text('family = "runge_kutta"\nparameter = "a"\nA = [[0, 0], ["a", 0]]\nb = ["1 - 1/(2*a)", "1/(2*a)"]')
-    for of in (f"{path}", "explicit_order_2"):
-        found = method_of(f"{of} at 2/3")
-        assert isinstance(found, RungeKutta)
-        assert (found.a, found.b) == (METHODS["ralston2"].a, METHODS["ralston2"].b)
-    assert method_of(f"{path} at sqrt(2)/2").b[1] ** 2 == Q(1, 2)
-    path.write_text('title = "Mine"\n' + path.read_text())
-    assert method_of(f"{path} at 2/3").title == "Mine at a = 2/3"
-    assert methods_of("explicit_order_2 at 1, rk4")[0].b == (Q(1, 2), Q(1, 2))
-    for given, said in (
-        ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
-        ("explicit_order_2", "one method is needed, such as 'explicit_order_2 at 1/2'"),
-        ("explicit_order_2 at", "the expression is empty"),
-        ("rk4 at 1/2", "^rk4 has no parameter"),
-        (f"{path} 2", "^unknown method"),
-        (__file__, "test_tableau_file.py: the name of a method's file ends in .toml$"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            method_of(given)
-
-
-def test_methods_are_named_in_one_text_or_one_by_one() -> None:
-    rk4, heun2 = METHODS["rk4"], METHODS["heun2"]
-    for given in ("rk4, heun2", ["rk4", heun2], (rk4, "heun2")):
-        assert methods_of(given) == [rk4, heun2]
-    assert methods_of(rk4) == [rk4]
-    for wrong, reason in (
-        ("sdirk_order_2", "a family of methods, with"),
-        (4, "^'4' is not a method: give a key, a .toml file, or a method$"),
-        (len, "give a key, a .toml file, or a method; what is examined comes first$"),
-    ):
-        with pytest.raises(ValueError, match=reason):
-            method_of(wrong)  # type: ignore[arg-type]
 
 
 def test_additive_method_is_read_from_its_two_tables(write: Write) -> None:

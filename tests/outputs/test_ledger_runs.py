@@ -116,7 +116,10 @@ def test_the_claim_that_contributing_adds_stands_in_the_ledger_and_a_wrong_one_f
     with (tmp_path / path).open("a", encoding="utf-8") as file:
         file.write("\n\n" + added.replace("** 2\n", f"{power}\n"))
     done = run_proofs("-k", "two_steps_of_forward_euler", plugins=ROOT, folder=tmp_path)
-    assert re.search(rf"^L250 +{standing} +expand +Two steps of forward Euler multiply", done.stdout, re.MULTILINE)
+    (line,) = re.findall(r"^L250 .*expand +Two steps of forward Euler multiply.*", done.stdout, re.MULTILINE)
+    assert line.split()[1] == standing
+    shown = [shown.split() for shown in page.splitlines()]  # whose columns are as wide as those of all claims
+    assert (line.split() in shown) == (standing == "failed")
 
 
 # The default run plants its error in two files of proofs, in one process. The long tier runs them all: whole in two

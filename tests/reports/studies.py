@@ -1,6 +1,6 @@
 """Studies of error against work that are quickly measured: few steps, nothing compiled."""
 
-from driftproof.methods.tableau_file import methods_of
+from driftproof.methods.given_methods import methods_of
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.work_precision import curves, integrators
 from driftproof.reports.work_precision import study as study_module

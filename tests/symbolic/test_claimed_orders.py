@@ -138,7 +138,8 @@ def test_a_mistake_in_the_middle_of_the_digits_is_no_rounding():
     """Residuals of 1e-6 would be a rounding of six digits, and these are twelve, whatever the table says."""
     table = rounded(12)
     wrong = replace(table, b=(table.b[0] + Q(1, 10**6), *table.b[1:]))
-    lines = ["claimed order 4, has 0: a condition fails by 1.00e-6, more than its digits explain"]
+    line = "claimed order 4, has 0: a condition fails by 1.00e-6, more than its digits explain"
+    lines = [f"{line}; `facts --order-tolerance 1e-3` allows that"]
     assert said(wrong) == said(replace(wrong, decimal=True)) == lines
     assert said(wrong, Q(1, 10**5)) == []
     assert said(wrong, Q(1, 10**7)) == said(wrong)

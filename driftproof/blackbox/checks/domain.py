@@ -83,7 +83,10 @@ def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border
     first = seen.beyond[0]
     if first.answer is None and not first.failure.startswith("raises OverflowError"):  # of Python's own powers
         return Rule(REFUSED, component, seen, more=first.refusal)
-    if not first.finite and _is_no_number(first, component) and short.runner.subject.convention.kind == MAP:
+    # NaN for a state of ordinary size, of which nothing overflows, is where the domain of a built-in system ends:
+    # exponentials are the first to overflow, and their quotients and differences are NaN.
+    no_number = abs(first.given[component]) < _EXPONENT and any(map(isnan, first.answer or ()))
+    if not first.finite and no_number and short.runner.subject.convention.kind == MAP:
         return Rule(REFUSED, component, seen, more=f"it returns {first.seen}")
     if not first.finite:
         return Rule(OVERFLOWS, component, seen)
@@ -99,14 +102,6 @@ def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border
     if plain is None:
         return None
     return Rule(CHANGED, component, seen, more=f"the state changes even as h -> 0: {_becomes(plain)}")
-
-
-def _is_no_number(first: Trial, component: int) -> bool:
-    """True of NaN for a state of ordinary size, of which nothing overflows: where the domain of a built-in system ends.
-
-    Exponentials are the first to overflow, and their quotients and differences are NaN.
-    """
-    return abs(first.given[component]) < _EXPONENT and any(map(isnan, first.answer or ()))
 
 
 def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:

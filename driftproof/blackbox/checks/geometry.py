@@ -50,18 +50,12 @@ def _shown(runner: TrialRunner, defects: list[float]) -> str:
     seen = [(h, defect) for h, defect in zip(_STEPS, defects, strict=True) if defect > runner.rounding]
     h, defect = min(seen, key=lambda pair: abs(log2(pair[0]) - log2(TYPICAL_STEP)))
     words = f"a defect of {defect:.2g} at h = {Fraction(h)}"
-    power = _power([defect for _, defect in seen])
-    if power is None:
+    if len(seen) < 2:
         return words
-    return f"{words} that falls as h**{power}" if power > 0 else f"{words} that does not fall with h"
-
-
-def _power(defects: list[float]) -> int | None:
-    """The k for which the defects at h, h/2, h/4, ... fall as h**k; None if no whole k is near."""
-    if len(defects) < 2:
-        return None
-    power = log2(defects[-2] / defects[-1])
-    return round(power) if abs(power - round(power)) < _NEAR else None
+    power = log2(seen[-2][1] / seen[-1][1])  # the k for which the defects at h, h/2, h/4, ... fall as h**k
+    if not abs(power - round(power)) < _NEAR:
+        return words
+    return f"{words} that falls as h**{round(power)}" if round(power) > 0 else f"{words} that does not fall with h"
 
 
 _AREA, _NORM = "area_preserving", "norm_preserving"

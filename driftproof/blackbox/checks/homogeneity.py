@@ -184,7 +184,8 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
     for ray, low, high in broken:
         if short is not None and _leaves_domain(short, ray, low, high):
             continue  # another check reports that
-        s, name = _beginning(ray, low, high), COMPONENT_NAMES[ray.component]
+        differs = lambda s, ray=ray, low=low: _departure(ray, low, s) > ray.runner.rounding
+        s, name = bisected_neighbours(differs, low, high, ray.runner)[1], COMPONENT_NAMES[ray.component]
         if s <= low * _NEXT or _departure(ray, low, _SOON * s) <= min(_SHARP * ray.runner.rounding, _PLAIN):
             at = max(1.0, low * _SOON)
             where = f"at {name} = {at * ray.z[ray.component]:.3g}"
@@ -197,11 +198,6 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
         return CheckResult(LINEAR, True, "linear within its domain, to rounding")
     words, examples = zip(*borders, strict=True)
     return CheckResult(LINEAR, False, "; ".join(words), tuple(trial for example in examples for trial in example))
-
-
-def _beginning(ray: Ray, low: float, high: float) -> float:
-    """The first s at which the step differs from that at `low`."""
-    return bisected_neighbours(lambda s: _departure(ray, low, s) > ray.runner.rounding, low, high, ray.runner)[1]
 
 
 def _departure(ray: Ray, low: float, s: float) -> float:

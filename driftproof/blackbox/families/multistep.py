@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -11,15 +11,8 @@ from typing import Any
 from flint import arb
 
 from driftproof.blackbox.checks.determinism import MANY
+from driftproof.blackbox.families import multistep_recurrence as recurrences
 from driftproof.blackbox.families.imex import WELL_SOLVED
-from driftproof.blackbox.families.multistep_recurrence import (
-    ONE_SIZE,
-    Recurrence,
-    RecurrenceReading,
-    candidates,
-    read_recurrence,
-    tolerance_of,
-)
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, course, order_across
 from driftproof.blackbox.families.second_answers import WithEstimate, judged_second
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
@@ -98,7 +91,7 @@ class MultistepReading(WithEstimate):
     the first step after a change of h.
     """
 
-    recurrence: RecurrenceReading
+    recurrence: recurrences.RecurrenceReading
     start: StartReading | None
     handed: bool = False
     order_across: int | None = None
@@ -141,7 +134,7 @@ class MultistepReading(WithEstimate):
     def across(self) -> str:
         """What is seen of steps of several lengths, in words."""
         if self.order_across is None:
-            return ONE_SIZE
+            return recurrences.ONE_SIZE
         return f"the first step after a change of h has order {self.order_across}"
 
     @property
@@ -226,7 +219,7 @@ _WITH_START = "a stepper that keeps its memory in an object of its own"
 def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> MultistepReading:
     """Read the recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
-    recurrence = read_recurrence(runs, asked)
+    recurrence = recurrences.read_recurrence(runs, asked)
     start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
     across, estimate = None, None
     with suppress(Misbehaviour, UnsupportedCall):
@@ -239,7 +232,7 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     return MultistepReading(recurrence, start, handed, across, estimate)
 
 
-def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
+def read_start(runs: MarkedRuns, reading: recurrences.RecurrenceReading) -> StartReading:
     """Identify the first steps of runs that satisfy this recurrence later, and measure the errors that they leave.
 
     Raises the Misbehaviour that comes instead of a step.
@@ -259,16 +252,13 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
     times = zip(rest[1:], ("before", "after"), strict=True)
     when = next((f": those of half a step {word}" for (seen, _), word in times if (seen or 0) >= order), "")
     meant = None if when else False
-    if _are_differences(course(subject, problem, START, problem.start(START), _SHORT, MANY), problem.positions):
+    # Are they the differences of the positions over its short step, to the last bit?
+    n, states = problem.positions, course(subject, problem, START, problem.start(START), _SHORT, MANY)
+    pairs = [zip(a, b[:n], b[n:], strict=False) for a, b in pairwise(states)]
+    if all((after - before) / _SHORT == v for each in pairs for before, after, v in each):
         meant, when = True, ": differences of positions"
     words = f"{order_seen(rest[0][0])} in its velocities{when} (slopes: {slopes_text(rest[0][1])})"
     return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words, words, meant)
-
-
-def _are_differences(states: Sequence[Sequence[AnyNumber]], positions: int) -> bool:
-    """True if the velocities of a run are the differences of its positions over its short step, to the last bit."""
-    pairs = [zip(a, b[:positions], b[positions:], strict=False) for a, b in pairwise(states)]
-    return all((after - before) / _SHORT == v for each in pairs for before, after, v in each)
 
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
@@ -279,9 +269,9 @@ def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
     problem, found = runs.problem(1.0, 0.0, bent=not runs.by_place), [first]
     allowed = CLEARANCE * float(runs.subject.format.u)
     for n in range(1, length):
-        shorter = [m for m in candidates(runs.derivative) if m.steps == n + 1]
-        left = [(Recurrence.of(m, runs.subject.format), m) for m in shorter]
-        kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, tolerance_of(m))]
+        shorter = [m for m in recurrences.candidates(runs.derivative) if m.steps == n + 1]
+        left = [(recurrences.Recurrence.of(m, runs.subject.format), m) for m in shorter]
+        kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, recurrences.tolerance_of(m))]
         if not kept and runs.derivative == 1:
             state = [*steps.states[n], *([float(n)] if runs.clock else [])]
             alone = course(runs.subject, problem, float(n), state, 1.0, runs.subject.shortest)[1]

@@ -301,7 +301,8 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
         facts, digits = RosenbrockFacts(found), ", to the precision of its decimals" * found.decimal
         orders = facts.orders_within(walks.NO_RESIDUAL) if found.decimal else facts
         told = f"order {orders.order} with J = f', {orders.w_order} with any matrix{digits}"
-        plain = _with_float_entries(found)
+        alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(found))
+        plain = replace(found, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
     estimate = _judged_estimate(subject, found or asked)
     return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked, estimate)
 
@@ -325,8 +326,3 @@ def _judged_estimate(subject: ForeignStepper, method: Rosenbrock | None) -> Step
         return wrong if wrong is None else [line.replace("the result", "the estimate") for line in wrong + late]
 
     return judged_second(subject, walks.alone(subject), method.key, read_rosenbrock_step, differing)
-
-
-def _with_float_entries(method: Rosenbrock) -> Rosenbrock:
-    alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(method))
-    return replace(method, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)

@@ -11,14 +11,7 @@ import numpy as np
 
 from driftproof.blackbox.findings import UnsupportedCall, first_taken
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.probes.scripted_answers import (
-    Listener,
-    NotReadable,
-    require_calls,
-    result_of,
-    shown_apart,
-    varied,
-)
+from driftproof.blackbox.probes import scripted_answers as scripted
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import with_functions
@@ -85,7 +78,7 @@ class _Step:
     """One step: where it evaluated f and the Jacobian, and its result."""
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
-        heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
+        heard = scripted.Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
         self.jacobian_at: list[tuple[float, Array]] = []
 
         def matrix(t: float, y: Sequence[float]) -> Any:
@@ -101,7 +94,7 @@ class _Step:
 
         self.timed = False
         stepped = with_functions(subject, functions)
-        end = result_of(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
+        end = scripted.result_of(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
         self.times, self.places = [t for t, _ in heard.calls], [y for _, y in heard.calls]
         self.result = np.array(end)
 
@@ -112,7 +105,7 @@ class _Probe:
         self.subject = subject
         self.first = first_taken(self._generic, _SIZES)
         if not self.first.places or not self.first.jacobian_at:
-            raise NotReadable("it never calls its right-hand side, or its Jacobian")
+            raise scripted.NotReadable("it never calls its right-hand side, or its Jacobian")
         self.calls = len(self.first.places)
         asked = [np.array([t, *y]) for t, y in zip(self.first.times, self.first.places, strict=True)]
         self.groups, self.differences = list[list[int]](), list[int]()
@@ -133,7 +126,7 @@ class _Probe:
         def answer(_: int, t: float, y: Array) -> list[float]:
             return [(1 + i) / (2 + t + float(np.dot(y, y)) + float(y[i])) for i in range(self.size)]
 
-        return self._step(answer, jacobian=matrix, start=varied(self.size, 3))
+        return self._step(answer, jacobian=matrix, start=scripted.varied(self.size, 3))
 
     def _step(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> _Step:
         chain = [[float(i == j + 1) for j in range(self.size)] for i in range(self.size)]
@@ -143,7 +136,7 @@ class _Probe:
     def _seen(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> Array:
         """The numbers of a step from 0: a row for the place of each group, and one for the result."""
         step = self._step(answer, **given)
-        require_calls(self.calls, len(step.places))
+        scripted.require_calls(self.calls, len(step.places))
         return np.array([*(step.places[group[0]] for group in self.groups), step.result])
 
     def reading(self) -> RosenbrockReading:
@@ -151,7 +144,7 @@ class _Probe:
         zero = [0.0] * self.size
         one = [1.0, *zero[1:]]
         if np.abs(self._seen(lambda i, t, y: zero)).max() > 0:
-            raise NotReadable("with all slopes 0, y = 0 does not stay 0")
+            raise scripted.NotReadable("with all slopes 0, y = 0 does not stay 0")
         columns = []
         for number, group in enumerate(self.groups):
             marked = {*group, *(self.differences if number == 0 else ())}
@@ -164,7 +157,7 @@ class _Probe:
             by, slope = "differences", self._seen(lambda i, t, y: late.get(i, zero))
         used = [g for g, column in enumerate(columns) if np.abs(column).max() > 0]
         if not used:
-            raise NotReadable("no call moves the step in which it is made")
+            raise scripted.NotReadable("no call moves the step in which it is made")
         self._control(np.array(columns))
         rows = [*used, len(self.groups)]
         at, place = self.first.jacobian_at[0]
@@ -173,21 +166,23 @@ class _Probe:
             tuple(self.first.times[self.groups[g][0]] for g in used) if self.first.timed else None,
             None if slope is None else tuple(tuple(float(slope[r][c]) for r in rows) for c in range(self.size)),
             by,
-            (at, float(np.abs(place - np.array(varied(self.size, 3))).max())),
+            (at, float(np.abs(place - np.array(scripted.varied(self.size, 3))).max())),
             self.subject.format,
         )
 
     def _control(self, columns: Array) -> None:
         """Raise NotReadable if a step with other answers, h, t and start does not end where the products say."""
         h, t = 0.5, 2.0
-        slopes, start = varied(len(self.groups), 2), varied(self.size, 1)
+        slopes, start = scripted.varied(len(self.groups), 2), scripted.varied(self.size, 1)
         answers = defaultdict(float, {i: slopes[g] for g, group in enumerate(self.groups) for i in group})
         answers |= dict.fromkeys(self.differences, slopes[0])
         step = self._step(lambda i, t, y: [answers[i], *[0.0] * (self.size - 1)], start=start, t=t, h=h)
-        require_calls(self.calls, len(step.places))
+        scripted.require_calls(self.calls, len(step.places))
         said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
         i = int(np.argmax(off := np.abs(step.result - said)))
         if off[i] > max(_SAME, _ROUNDINGS * float(self.subject.format.u)) * (1 + np.abs(said).max()):
-            ends = "it ends at {}, where the coefficients read give {}".format(*shown_apart(step.result[i], said[i]))
+            ends = "it ends at {}, where the coefficients read give {}".format(
+                *scripted.shown_apart(step.result[i], said[i])
+            )
             why = "it is not linear in its slopes, does not scale with h, or remembers another step"
-            raise NotReadable(f"with other slopes and h = {h:g} {ends}: {why}")
+            raise scripted.NotReadable(f"with other slopes and h = {h:g} {ends}: {why}")

@@ -241,7 +241,10 @@ class OwnSteps:
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
         if np.abs(rows[:, :2]).max() * self.unit * _ROUGH > 1:  # a jump
             return "another one"
-        text = ", ".join(f"{name}' = {_sum_text(row, names)}" for name, row in zip(names, rows.tolist(), strict=True))
+        # Where q' = v, a velocity is as large as a position by the system's own time: -1e6 q - 10 v is not -1e6 q.
+        sizes = (1.0, 1 / self.unit if abs(rows[0, 0]) * self.unit < _NEAR else 1.0, 1.0)
+        texts = [f"{name}' = {_sum_text(row, names, sizes)}" for name, row in zip(names, rows.tolist(), strict=True)]
+        text = ", ".join(texts)
         linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
         text += ", a constant force" * (linear and text.startswith("q' = v") and not set(text[11:]) & set("qv"))
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
@@ -335,11 +338,11 @@ def _settled(slopes: Any, before: Any) -> bool:
     return bool(changes.max() <= _ERROR * np.abs(slopes).max())
 
 
-def _sum_text(factors: Sequence[float], names: Sequence[str]) -> str:
-    """The sum of multiples of the names and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
-    least, text = 4 * _NEAR * max(map(abs, factors)), ""
-    for x, name in zip(factors, (*names, ""), strict=True):
-        if abs(x) > least:
+def _sum_text(factors: Sequence[float], names: Sequence[str], sizes: Sequence[float]) -> str:
+    """The sum of multiples of the names and of 1 as text, such as "10 v - q", without terms that the others hide."""
+    terms, text = [abs(x) * size for x, size in zip(factors, sizes, strict=True)], ""
+    for x, name, term in zip(factors, (*names, ""), terms, strict=True):
+        if term > 4 * _NEAR * max(terms):
             size = f"{abs(x):.6g}"
             part = " ".join(filter(None, [size if size != "1" or not name else "", name]))
             text += f" {'-+'[x > 0]} {part}" if text else f"{'-' * (x < 0)}{part}"

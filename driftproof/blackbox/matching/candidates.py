@@ -178,7 +178,11 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
-            yield from _rearranged(splitting, calls)
+            exchanged = tuple((OTHER_KIND[kind], x) for kind, x in splitting.parts)
+            words = {ADJOINT: splitting.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
+            for relation, parts in words.items():
+                if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
+                    yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, parts))
     for candidate in force_methods():
         for relation, change, by in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
             yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
@@ -199,15 +203,6 @@ def _resized(
             if factor == times:
                 whole = lambda table, by: scaled(repeated(table, by), Fraction(by))
                 yield f"{times} steps of h each instead of h/{times}", whole, times
-
-
-def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
-    """Yield the adjoint of a splitting, the splitting with kicks and drifts exchanged, and both changes together."""
-    exchanged = tuple((OTHER_KIND[kind], x) for kind, x in method.parts)
-    words = {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
-    for relation, parts in words.items():
-        if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
-            yield Candidate(method.key, relation, partial(tables.induced_by_parts, parts))
 
 
 def _in_field(make: Callable[[FromExact], LiftedTableau], timed: bool) -> Recipe:

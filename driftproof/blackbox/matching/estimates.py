@@ -66,7 +66,9 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     subject = _unscaled(subject)
     estimate, reading = read_estimate(subject), read_tableau(subject)
     propagated = read_order(reading).order
-    lines = [f"besides y1 it returns {estimate.form}: e = {_shown(estimate)}"]
+    most, pairs = Rounding(estimate.format, len(estimate.row)).of(1.0), zip(estimate.row, estimate.sizes, strict=True)
+    entries = (coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
+    lines = [f"besides y1 it returns {estimate.form}: e = {', '.join(entries)}"]
     if not any(estimate.row):
         return JudgedEstimate(0, propagated, None, None, tuple(lines), ("the error estimate is always 0",))
     if estimate.relative:
@@ -92,7 +94,10 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     tree = "" if first is None else f": the first tree that contributes is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
         faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}); the step has order {propagated}")
-    other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
+    # The other row is b - e or b + e, since no convention fixes the sign of e.
+    weights = [(Fraction(b), Fraction(1 / factor) * e) for b, e in zip(reading.b, estimate.row, strict=True)]
+    rows = (tuple(float(b - sign * e) for b, e in weights) for sign in (1, -1))
+    other = max(read_order(replace(reading, b=row), None).order for row in rows)
     lines += [
         *described,
         f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
@@ -118,19 +123,6 @@ def _mistimed(estimate: EstimateReading, reading: TableauReading) -> list[str]:
         for j in alone
         if abs((c := reading.c[j]) - (total := fsum(reading.a[j]))) > reading.rounding.of(1.0)
     ]
-
-
-def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:
-    """The order of the row b - factor e; callers try both signs, since no convention fixes the sign of e."""
-    pairs = zip(reading.b, estimate.row, strict=True)
-    row = tuple(float(Fraction(b) - Fraction(factor) * e) for b, e in pairs)
-    return read_order(replace(reading, b=row), None).order
-
-
-def _shown(estimate: EstimateReading) -> str:
-    most = Rounding(estimate.format, len(estimate.row)).of(1.0)
-    pairs = zip(estimate.row, estimate.sizes, strict=True)
-    return ", ".join(coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:

@@ -11,20 +11,13 @@ from math import inf
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.matching import linear_candidates
 from driftproof.blackbox.matching.equivalent_methods import (
     LinearlyEquivalentMethods,
     Rates,
     adjoint_methods,
     all_matrices,
     equivalent_methods,
-)
-from driftproof.blackbox.matching.linear_candidates import (
-    FORWARDS,
-    LinearCandidate,
-    linear_candidates,
-    nearly_exact,
-    rates_of,
-    tried_steps,
 )
 from driftproof.blackbox.matching.matrix_facts import (
     ENTRY_NAMES,
@@ -82,14 +75,14 @@ class LinearFit:
     position: Fraction | None = None
     stiffness: Fraction | None = None
     damping: Fraction | None = None
-    candidates: tuple[LinearCandidate, ...] = ()
+    candidates: tuple[linear_candidates.LinearCandidate, ...] = ()
     nearest: Nearest | None = None
     facts: MatrixFacts | None = None
     nearly: Nearest | None = None
     remarks: tuple[str, ...] = ()
 
     @property
-    def best(self) -> LinearCandidate | None:
+    def best(self) -> linear_candidates.LinearCandidate | None:
         """The simplest candidate; None if there is none."""
         return self.candidates[0] if self.candidates else None
 
@@ -98,7 +91,7 @@ class LinearFit:
         """0 if the best candidate holds at all steps, 1 if at all h > 0, 2 if at fewer, 3 if there is none."""
         if self.best is None:
             return 3
-        return {"": 0, FORWARDS: 1}.get(self.best.restriction, 2)
+        return {"": 0, linear_candidates.FORWARDS: 1}.get(self.best.restriction, 2)
 
     @property
     def is_disturbed(self) -> bool:
@@ -141,11 +134,11 @@ def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
     if reading.at_zero is None:  # otherwise some steps were read as well
         why = "no tiny step shows a rate: steps do not shrink with h, are noise, or are long in the system's own time"
         return replace(start, kind=UNDETERMINED, remarks=(why, *reading.remarks)) if reading.identifiable else start
-    position, stiffness = rates_of(reading)
+    position, stiffness = linear_candidates.rates_of(reading)
     rates = (1.0, 1.0) if known else (float(position), float(stiffness))
     start = replace(start, nearly=_nearly(reading, rates))
     if not reading.identifiable:
-        return replace(start, nearest=_nearest(tried_steps(reading), rates))
+        return replace(start, nearest=_nearest(linear_candidates.tried_steps(reading), rates))
     if all((m[0], *m[2:]) == (1, 0, 1) for _, m in reading.steps):
         return replace(start, kind=UNDETERMINED, remarks=("no force acts: all methods agree", *reading.remarks))
     if reading.starts_at_identity:
@@ -154,16 +147,13 @@ def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
         h, m = reading.ordinary[0]
         (off, each), *_ = _by_distance(h, m, rates)
         start = replace(start, nearest=Nearest(each.keys, h, off, ()))
-    found = linear_candidates(reading, known=known) if position and stiffness else []
-    if all(each.restriction for each in found) and (nearly := nearly_exact(reading, known=known)):
+    found = linear_candidates.linear_candidates(reading, known=known) if position and stiffness else []
+    if all(each.restriction for each in found) and (nearly := linear_candidates.nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     if not found:
         return _unexplained(start, reading, known=known)
-    return _explained(replace(start, nearly=None) if start.kind == linear.LINEAR else start, found)
-
-
-def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
-    """The fit with its candidates, and the facts of the first of them."""
+    start = replace(start, nearly=None) if start.kind == linear.LINEAR else start
+    # The facts are those of the first of the candidates.
     first, system, facts = found[0], Fraction(1) if found[0].known else found[0].stiffness, MatrixFacts(*[None] * 4)
     for each in adjoint_methods() if first.adjoint else equivalent_methods():
         if each.keys == first.methods:
@@ -173,10 +163,12 @@ def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
 
 def _unexplained(start: LinearFit, reading: linear.LinearReading, *, known: bool) -> LinearFit:
     """The fit with the nearest methods, and with the facts of the matrix if that is a simple function of h."""
-    (h, m), (position, stiffness) = min(tried_steps(reading)), rates_of(reading)
+    (h, m), (position, stiffness) = min(linear_candidates.tried_steps(reading)), linear_candidates.rates_of(reading)
     entries = recovered(reading)
     if entries is None:
-        return replace(start, nearest=_nearest(tried_steps(reading), (float(position), float(stiffness))))
+        return replace(
+            start, nearest=_nearest(linear_candidates.tried_steps(reading), (float(position), float(stiffness)))
+        )
     rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
     nearest = _least_different(h, m, entries, *rates)
     if not all(entry.exact for entry in entries):

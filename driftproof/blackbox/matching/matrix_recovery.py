@@ -148,11 +148,8 @@ def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:
 
 def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
     """True if the function has all the values, up to rounding."""
-    for x, y in values.items():
-        num, den = (_at([c.value for c in part], x) for part in (entry.num, entry.den))
-        if abs(num - y * den) > _allowed(entry, x, y, u):
-            return False
-    return True
+    num, den = ([c.value for c in part] for part in (entry.num, entry.den))
+    return all(abs(_at(num, x) - y * _at(den, x)) <= _allowed(entry, x, y, u) for x, y in values.items())
 
 
 def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:

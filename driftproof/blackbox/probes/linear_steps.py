@@ -117,7 +117,11 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
     for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
         tiny = _at_amplitude(subject, LinearReading(fmt, LINEARISED, ldexp(1.0, -bits)))
         asleep = at_identity and not tiny.starts_at_identity
-        if not asleep and _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
+        if asleep or tiny.at_zero is None:
+            continue
+        # States of a fourth of the size have the same rates; those of a cubic force are a sixteenth.
+        less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
+        if all(map(_agree, tiny.at_zero, less)) and _nonlinearity(subject, tiny, 1.0) is None:
             return tiny
     return None
 
@@ -139,7 +143,10 @@ def _at_amplitude(subject: ForeignStepper, reading: LinearReading, coarse: bool 
         if found is None:
             return replace(reading, unit=unit)
         tiny, m = found
-        reading, before, unit = replace(reading, tiny=tiny, at_zero=m), unit, _unit(m, tiny)
+        reading, before = replace(reading, tiny=tiny, at_zero=m), unit
+        # The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 if they give none.
+        frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
+        unit = ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
         if unit == before:
             break
     return replace(reading, unit=unit)
@@ -198,12 +205,6 @@ def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
     return qq, qv, vq, vv
 
 
-def _unit(m: MatrixEntries, tiny: float) -> float:
-    """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 if they give none."""
-    frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
-    return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
-
-
 def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> tuple[str, float] | None:
     """The first case of M(z + w) ≠ M(z) + M(w) at `size` times the amplitude, in words, with how far it is off.
 
@@ -221,14 +222,6 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
                 start = f"({scale * q:g}, {scale * v:g})"
                 return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size", off
     return None
-
-
-def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
-    """True if states of a fourth of the size have the same rates; those of a cubic force are a sixteenth."""
-    if tiny.at_zero is None:
-        return False
-    less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
-    return all(map(_agree, tiny.at_zero, less))
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:

@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import chain, pairwise, product
-from math import exp, fsum, isclose, log, log1p
+from math import fsum, isclose, log
 from operator import sub
-from typing import Any, NamedTuple, TypeAlias
-
-import numpy as np
+from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
+from driftproof.blackbox.solvers.step_size_law import FORGOTTEN, Law, LawPoint, exceptions, fitted_law, is_close, shown
 from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
@@ -32,8 +31,6 @@ _SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
 # |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
 # methods of low order, which take too many steps at the smaller one, the loose one for their errors per unit of time.
 _RTOL, _ATOLS, _LOOSE = 1e-13, (1e-7, 1e-4), 1e-3
-# A law must give every factor to this relative accuracy: the scale is known better, and its exponents are small.
-_CLOSE = 1e-4
 # An estimate may be the difference of two states below 1, of which each rounds by u and each sum before it by less.
 _ROUNDED = 2.0**-51
 # Steps this near to a jump are not compared with their slopes.
@@ -42,8 +39,6 @@ _NEAR = 1e-6
 _SAME = 1e-8
 # The last attempts of a run may be made to land on its end.
 _LANDING = 3
-# Fits with memory leave out steps after a smaller r: some codes remember no error below 10^-4.
-_LEAST_REMEMBERED = 1e-3
 # The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
 # Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
@@ -55,8 +50,6 @@ _PER_UNIT = "per unit of time"
 # As many factors have codes that halve and double their steps; chosen with room.
 _FEW = 5
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
-# The largest denominator of an exponent, and 1 over the least one: controllers in use have 1/5, 7/50, 17/100, ...
-_MOST_DENOMINATOR = 120
 # In units of u: t is up to 8, slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
 # is below 4, so that rounding makes 416. A step that ends elsewhere is off by far more.
 _TRACE = 2.0**9
@@ -74,46 +67,6 @@ class Attempt(NamedTuple):
     rejections: int
     accepted: bool
     factor: float | None
-
-
-@dataclass(frozen=True)
-class Law:
-    """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
-
-    r is the error over the tolerance, by the estimate of the pair `estimate`. `smallest`, `largest` and `longest` are
-    None if no factor was clipped there, and no step. `after_rejection` is true if steps after a rejected one do not
-    grow, `exception` says which other steps do not follow the law. `accepted` is the largest r of an accepted step.
-    """
-
-    estimate: str
-    safety: float
-    exponent: Fraction | float
-    memory: Fraction | float
-    filtered: Fraction | float
-    smallest: float | None
-    largest: float | None
-    longest: float | None
-    after_rejection: bool
-    accepted: float
-    exception: str
-
-    def logs(self, p: _Point) -> tuple[float, float]:
-        """The logs of the factor after an attempt if nothing limits it, with the memory of the law and without it."""
-        forgetful = log(self.safety) - self.exponent * p.error
-        return forgetful + self.memory * p.before + self.filtered * p.growth, forgetful
-
-    @property
-    def words(self) -> str:
-        """The law in one line."""
-        power = f"{self.safety:.4g} r^(-{_shown(self.exponent)})"
-        before = f" r_before^({_shown(self.memory)})" if self.memory else ""
-        before += f" (h/h_before)^({_shown(self.filtered)})" if self.filtered else ""
-        low = "no smallest factor observed" if self.smallest is None else f"at least {self.smallest:.4g}"
-        high = "no largest observed" if self.largest is None else f"at most {self.largest:.4g}"
-        high += "" if self.longest is None else f", no step above {self.longest:.4g}"
-        beyond = f", accepting up to {self.accepted:.3g} times the tolerance" * (self.accepted > 1 + _CLOSE)
-        kind = "PI" if self.memory or self.filtered else "not PI"
-        return f"h_next/h = {power}{before}, {low}, {high}{beyond} ({kind}){self.exception}"
 
 
 @dataclass(frozen=True)
@@ -147,9 +100,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law can be observed")
-    if len(factors) > 1 and _is_same(max(factors), min(factors)):
+    if len(factors) > 1 and is_close(max(factors), min(factors)):
         fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the previous one"
-        if _is_same(factors[0], 1.0):
+        if is_close(factors[0], 1.0):
             if not subject.adaptive:
                 return ControllerReading(None, (_NO_TOLERANCE,), traces)
             fault = "all steps have the same size, whatever the error"
@@ -162,7 +115,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
     points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
-    laws = filter(None, (_law(name, list(points(name, estimate))) for name, estimate in estimates))
+    laws = filter(None, (fitted_law(name, list(points(name, estimate))) for name, estimate in estimates))
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
         pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
@@ -206,7 +159,7 @@ def _elsewhere(
     run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
     points = list(_points(rate, run, list(_attempts(run, steps)), atol, law.estimate, estimate))
     words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
-    if (factors := [p.factor for p in points]) and _exception(points, law, min(factors), max(factors)) is None:
+    if (factors := [p.factor for p in points]) and exceptions(points, law, min(factors), max(factors)) is None:
         yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
 
 
@@ -234,9 +187,9 @@ def _wrong_exponent(law: Law) -> Iterator[str]:
     method = METHODS.get(law.estimate.removesuffix(f" {_PER_UNIT}"))  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = (not law.estimate.endswith(_PER_UNIT)) + min(method.claimed_order, method.embedded_order)
-        if not _is_same(float(law.exponent), 1 / power):
+        if not is_close(float(law.exponent), 1 / power):
             right = f"for an estimate O(h^{power}) it is 1/{power}"
-            yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
+            yield f"the exponent of the step size control is {shown(law.exponent)}, {right}"
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
@@ -320,33 +273,14 @@ def _is_silent(pair: RungeKutta) -> bool:
     return not any(by_node.values())
 
 
-class _Point(NamedTuple):
-    """An attempt and the `factor` of the step size after it.
-
-    `error` and `before` are log r of this and of the last accepted step, `growth` is the log of h over the h of that.
-    `rounded` is the part of r that rounding of the states may change. `longest` is the size of the next step if no
-    other is longer, else 0.
-    """
-
-    error: float
-    rounded: float
-    before: float
-    growth: float
-    factor: float
-    accepted: bool
-    rejections: int
-    at_jump: bool
-    longest: float = 0.0
-
-
 def _points(
     rate: StageRate, run: Solution, attempts: Sequence[Attempt], atol: float, name: str, estimate: _Estimate
-) -> Iterator[_Point]:
+) -> Iterator[LawPoint]:
     """The attempts whose error is known and not 0, and whose factor is known, by the stages of the pair."""
     pair, states = METHODS[name.partition(" ")[0]], dict(zip(run.t, run.y, strict=True))
     assert isinstance(pair, RungeKutta)
     a, c = [[*map(float, row)] for row in pair.a], [*map(float, pair.c)]
-    before, length = log(_LEAST_REMEMBERED), attempts[0].h  # the first error remembered is the code's own
+    before, length = log(FORGOTTEN), attempts[0].h  # the first error remembered is the code's own
     longest = max(each.h for each in attempts)
     for each in attempts:
         times = [each.start + x * each.h for x in c]
@@ -354,104 +288,11 @@ def _points(
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
             growth, later = log(each.h / length), each.factor * each.h
-            later *= _is_same(later, longest)
+            later *= is_close(later, longest)
             rounded = _ROUNDED / (r * atol)
-            yield _Point(log(r), rounded, before, growth, each.factor, each.accepted, each.rejections, at_jump, later)
+            yield LawPoint(log(r), rounded, before, growth, each.factor, each.accepted, each.rejections, at_jump, later)
         if each.accepted and r > 0:
             before, length = log(r), each.h
-
-
-def _law(name: str, points: Sequence[_Point]) -> Law | None:
-    """The law in this estimate, or None: fitted to the steps that no limit clips, then compared with all."""
-    factors = [p.factor for p in points if p.rejections <= 1]
-    smallest, largest = min(factors), max(factors)
-    known = [p for p in points if not (p.rejections or p.longest or p.rounded > _CLOSE)]
-    free = [p for p in known if not any(_is_same(p.factor, x) for x in (smallest, largest, 1.0))]
-    remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
-    found = _fitted(free, 2) or _fitted(remembered, 3) or _fitted(remembered, 4)
-    if found is None:
-        return None
-    exponent, memory, filtered = [*found[1:], 0, 0][:3]
-    held = [p.factor for p in points if p.accepted and p.rejections]
-    accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
-    safety, after = exp(found[0]), bool(held) and max(held) <= 1 + _CLOSE
-    law = Law(name, safety, exponent, memory, filtered, smallest, largest, None, after, accepted, "")
-    if (exception := _exception(points, law, smallest, largest)) is None:
-        return None
-    cut = [(p, log(p.factor) - max(law.logs(p))) for p in points if p.rejections <= 1]  # by limits: not 0
-    low = any(x > _CLOSE and _is_same(p.factor, smallest) for p, x in cut)
-    high = any(x < -_CLOSE and _is_same(p.factor, largest) and not p.longest for p, x in cut)
-    long = [p.longest for p, x in cut if p.longest and x < -_CLOSE and not (high and _is_same(p.factor, largest))]
-    limits = smallest if low else None, largest if high else None, long[0] if long[1:] else None
-    return Law(name, safety, exponent, memory, filtered, *limits, after, accepted, exception)
-
-
-def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str | None:
-    """The steps that do not follow the law, in words, by the rejections in a row before them; "" if there are none.
-
-    None if these are half of all or more, so that it is no law. A step may keep its size, and a law may forget its
-    memory after a rejection. For a law with memory, steps after an error too small to be remembered are left out.
-    """
-    known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
-    others: list[tuple[_Point, float]] = []
-    for p in known:
-        remembering, forgetful = law.logs(p)
-        # Where rounding may be more than r, the step still grows as after an error of both together.
-        doubtful = min(remembering, forgetful) - law.exponent * log1p(p.rounded)
-        *said, least = (exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful, doubtful))
-        short = p.rounded > 1 and not p.rejections and p.factor < least * (1 - _CLOSE)
-        cut = p.longest and p.factor < said[0]
-        if short or not (cut or any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0))):
-            others.append((p, said[0]))
-    if 2 * len(others) >= len(known):
-        return None
-    if not others:
-        return ""
-    rejected = [p for p, _ in others if not p.accepted and not _is_same(p.factor, smallest)]
-    if len(rejected) == len(others) and (plain := _fitted(rejected, 2)) and plain[1] > 0:
-        return f"; after a rejection {exp(plain[0]):.4g} r^(-{_shown(plain[1])})"
-    first, said_first = min(others, key=lambda pair: pair[0].rejections)
-    beside = sum(p.rejections >= first.rejections for p in known)
-    where = f" after {first.rejections} or more rejections in a row" * (first.rejections > 0)
-    times = f"{first.factor:.4g} times as long instead of {said_first:.4g}"
-    return f", but {len(others)} of {beside} steps{where} differ: one is {times}"
-
-
-def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
-    """The log of the safety, the exponent and the further terms that give all factors; None if none do.
-
-    The safety has two digits, and a term is a fraction of a denominator in use, if that gives the factors as well.
-    Further terms below those of any controller in use are no law: such a fit follows the noise of another one.
-    """
-    if len(points) < terms + 3:
-        return None
-    matrix = np.array([[-p.error, p.before, p.growth] for p in points])[:, : terms - 1]
-    logarithms = np.log([p.factor for p in points])
-    solved, *_ = np.linalg.lstsq(np.hstack([np.ones((len(points), 1)), matrix]), logarithms, rcond=None)
-    exact: list[Fraction | float] = solved[1:].tolist()
-    near: list[Fraction | float] = [Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact]
-    tried = (near, *([*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)), exact)
-
-    def left_by(terms: Sequence[Fraction | float]) -> np.ndarray[Any, Any]:
-        return np.asarray(logarithms - matrix @ [*map(float, terms)])
-
-    found = next((each for each in tried if np.ptp(left_by(each)) <= 2 * _CLOSE), None)
-    if found is None or any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
-        return None
-    if terms > 2 and isclose(found[0], found[1], abs_tol=_CLOSE):  # a law over itself one step before: no tolerance
-        return None
-    left = left_by(found)
-    safety = float(left.max() + left.min()) / 2
-    two_digits = log(round(exp(safety), 2) or 1.0)
-    return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
-
-
-def _is_same(x: float, value: float | None) -> bool:
-    return value is not None and isclose(x, value, rel_tol=_CLOSE)
-
-
-def _shown(x: Fraction | float) -> str:
-    return str(x) if isinstance(x, Fraction) else f"{x:.4g}"
 
 
 def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt], slope: _Slope) -> tuple[str, ...]:

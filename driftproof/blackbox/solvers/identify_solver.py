@@ -19,8 +19,8 @@ from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.families import Family
+from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import method_of, subject_of
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",

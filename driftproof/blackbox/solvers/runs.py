@@ -1,23 +1,19 @@
-"""Runs of a solver with known solutions: constant slopes, its clock, backward, NaN, a jump, tolerances, stiffness."""
+"""Runs of a solver with known solutions: constant slopes, its clock, backward, NaN, a jump, stiffness."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from math import cos, e, exp, hypot, inf, isclose, isfinite, log, log2, nan, sin
-from typing import Any, TypeAlias
+from math import cos, e, isclose, isfinite, nan, sin
+from typing import Any
 
 import numpy as np
-from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
-from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, walls
 from driftproof.blackbox.solvers.foreign_solver import (
     LENGTH,
-    NOTHING,
     TOLERANCES,
     USUAL,
     DoesNotEnd,
@@ -27,29 +23,10 @@ from driftproof.blackbox.solvers.foreign_solver import (
     TooSlow,
     in_binary32,
 )
+from driftproof.blackbox.solvers.tolerance_runs import ATOL, GROSS, RTOL, SAME_TIME, SPAN, RunLines, tolerance_effect
 
-# The start, the end and the length all have many bits.
-_SPAN = (0.1, 0.1 + 1.7)
-_RTOL, _ATOL = 1e-6, 1e-9
-_TOLERANCES, _TINIEST = (1e-3, 1e-4, 1e-5, 1e-6), 1e-12
-# So many of these tolerances show an effect; solvers of low order take too many calls at the last one.
-_FEWEST = 3
-_SIZE = 2.0**20  # a power of two: numbers so many times as large are rounded alike
-# The size to which a solution grows: its errors are compared at this tolerance with numbers of that size, or of 1.
-_GROWN, _OF_GROWN = 2.0**16, 1e-4
-# In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
-_ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
-# Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
-# are far below those of two large tolerances, unless it is a largest step size that makes the errors.
-_EFFECT, _BELOW = 10.0, 100.0
-_OSCILLATOR = NonlinearProblem("q'' = -q", lambda t, y: [y[1], -y[0]], lambda t: [t.cos(), -t.sin()])
-_KNOWN = (("q'' = -q to t = 6", _OSCILLATOR, (0.0, 6.0)), ("q'' = exp(-2 q) to t = 3", walls(1), (-2.0, 3.0)))
-# Errors of 10^4 steps, each as large as the tolerance, may add up; ten times that is a fault.
-_FAR = 1e5
 # A jump costs about its height times a step, which the estimate should bound by the tolerance: chosen with room.
 _OF_A_JUMP = 1e3
-# A clock of 24 bits costs up to this in some thousand steps (2^12 u), which is no error of the method.
-_GROSS = 2.0**-12
 # The rate of a decay: an explicit method of s stages is stable up to h = 2 s^2/1000 at most, of seven below 100/1000.
 _STIFF, _EXPLICIT = 1000.0, 100.0
 # Solutions have size 1: every stable method follows them to a tenth, an unstable one is off by far more.
@@ -58,15 +35,11 @@ _FOLLOWED = 0.1
 _NEARBY = 2.0**-23
 # A last step that is a smaller part of the run than this is one too many.
 _TINY = 1e-9
-# Rounding in estimates of high order moves steps by 1e-8; an error that counts less moves them by part of a step.
-_SAME_TIME = 1e-6
 # Step sizes that do not divide their span, once rounded down and once up; and one of which 3, rounded, are less than
 # the span, so that programs that count steps by int(), or add h until the end, lose one or gain one.
-_NOT_DIVIDED = ((_SPAN, 1.7 / 5.4), (_SPAN, 1.7 / 5.6), ((0.0, 0.3), 0.1))
+_NOT_DIVIDED = ((SPAN, 1.7 / 5.4), (SPAN, 1.7 / 5.6), ((0.0, 0.3), 0.1))
 # One more number than the widest unrolled loops have.
 _NUMBERS = 5
-# What was seen, and the faults, in lines.
-_Seen: TypeAlias = tuple[list[str], list[str]]
 
 
 @dataclass(frozen=True)
@@ -100,13 +73,13 @@ def read_runs(subject: ForeignSolver) -> RunsReading:
     return RunsReading(seen, tuple(faults), tuple(remarks))
 
 
-def _constant_slopes(subject: ForeignSolver) -> _Seen:
+def _constant_slopes(subject: ForeignSolver) -> RunLines:
     """Make runs of u' = 0 and u' = 1, where every method is exact and its error estimate is rounding."""
     lines, faults = [], []
     for slope, start in ((0.0, 1 / 3), (1.0, 0.5)):  # many bits, and one
         name = f"u' = {slope:g}"
         try:
-            run = subject.solve(lambda n, t, y, slope=slope: [slope], _SPAN, (start,), _RTOL, _ATOL)  # type: ignore[misc]
+            run = subject.solve(lambda n, t, y, slope=slope: [slope], SPAN, (start,), RTOL, ATOL)  # type: ignore[misc]
         except (Misbehaviour, TooSlow) as failure:
             if isinstance(failure, TooSlow) and not slope:  # as slow on every problem
                 raise
@@ -114,19 +87,19 @@ def _constant_slopes(subject: ForeignSolver) -> _Seen:
             faults.append(f"it cannot integrate {name}: {failure}{estimate}")
             continue
         (begun,), (last,) = run.y[0], run.y[-1]
-        if run.t[0] == _SPAN[0] and not isclose(begun, start, rel_tol=float(run.format.u)):
+        if run.t[0] == SPAN[0] and not isclose(begun, start, rel_tol=float(run.format.u)):
             faults.append(f"it begins at u = {begun!r} instead of {start!r}")
-        end = start + slope * (run.t[-1] - _SPAN[0])
-        if not isclose(last, end, abs_tol=_GROSS * (1 + abs(end))):
+        end = start + slope * (run.t[-1] - SPAN[0])
+        if not isclose(last, end, abs_tol=GROSS * (1 + abs(end))):
             faults.append(f"{name} ends at u = {last:.9g} instead of {end:.9g}")
         lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(last - end):.2g}")
     return lines, faults
 
 
-def _clock(subject: ForeignSolver) -> _Seen:
+def _clock(subject: ForeignSolver) -> RunLines:
     """Check where the last step ends and which time is kept, also with a step size that does not divide the span."""
-    run = _of_time(subject, _SPAN)
-    lines, faults = _timed(run, _SPAN)
+    run = _of_time(subject, SPAN)
+    lines, faults = _timed(run, SPAN)
     if subject.takes != LENGTH or faults:
         return lines, faults
     exact = _is_parabola(run)
@@ -147,7 +120,7 @@ def _clock(subject: ForeignSolver) -> _Seen:
 
 
 def _of_time(subject: ForeignSolver, span: tuple[float, float], steps: float = USUAL) -> Solution:
-    return subject.solve(lambda n, t, y: [1.0, y[0]], span, (0.0, 0.0), _RTOL, _ATOL, steps)
+    return subject.solve(lambda n, t, y: [1.0, y[0]], span, (0.0, 0.0), RTOL, ATOL, steps)
 
 
 def _is_parabola(run: Solution) -> bool:
@@ -160,7 +133,7 @@ def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
     """The steps in words, and the fault of equal ones that neither are h long nor part the span in as many."""
     in_h = [(b - a) / h for a, b in pairwise(run.t)] or [0.0]
     *most, last = in_h
-    same = partial(isclose, rel_tol=_SAME_TIME)
+    same = partial(isclose, rel_tol=SAME_TIME)
     if all(same(x, 1.0) for x in in_h):
         return f"{len(in_h)} steps of h", []
     if all(same(x, 1.0) for x in most):
@@ -171,7 +144,7 @@ def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
     return seen, [f"it makes {seen}"] * (abs(len(in_h) - asked) >= 1)
 
 
-def _timed(run: Solution, span: tuple[float, float]) -> _Seen:
+def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
     """Say where the last step ends, whether there is one too many, and in which format time is kept."""
     (start, end), t = span, run.t
     if len(t) < 2:
@@ -215,10 +188,10 @@ def _accumulated(times: Sequence[float], span: tuple[float, float]) -> str:
     return ""
 
 
-def _backward(subject: ForeignSolver) -> _Seen:
+def _backward(subject: ForeignSolver) -> RunLines:
     """Solve y' = -y, which grows backward in time, from t = 1 to 0."""
     try:
-        run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+        run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), RTOL, ATOL)
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.word}"], []
     if run.complaint:
@@ -227,12 +200,12 @@ def _backward(subject: ForeignSolver) -> _Seen:
     if (run.t[-1], last) == (1.0, 1.0):
         return ["it does not run backward in time: it makes no step, and does not say so"], []
     off = abs(last - e)
-    if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
+    if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=GROSS):
         return ["it integrates backward in time"], []
     return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, without saying so"]
 
 
-def _numbers(subject: ForeignSolver) -> _Seen:
+def _numbers(subject: ForeignSolver) -> RunLines:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
@@ -243,9 +216,9 @@ def _numbers(subject: ForeignSolver) -> _Seen:
     opposite = [x - y for x, y in zip(*alone[:2], strict=True)]
     for sizes in [*alone, alone[0], [-x for x in alone[0]], opposite, [1.0] * _NUMBERS, [0.0] * _NUMBERS]:
         slopes = lambda n, t, y, sizes=sizes: [bump(t) * x for x in sizes]
-        times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
+        times.append(subject.solve(slopes, SPAN, (0.0,) * _NUMBERS, RTOL, ATOL).t)
     first, (negative, *others) = times[0], times[-4:]
-    same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=_SAME_TIME)
+    same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=SAME_TIME)
     steps, opposed, together, still = (len(t) - 1 for t in (first, *others))
     if not same(times[_NUMBERS]):
         return [], ["the same run, made again after others, takes other steps: it remembers them"]
@@ -265,11 +238,11 @@ def _numbers(subject: ForeignSolver) -> _Seen:
     return [f"a bump in any of {_NUMBERS} components gives the same {steps} steps"], []
 
 
-def _nan(subject: ForeignSolver) -> _Seen:
+def _nan(subject: ForeignSolver) -> RunLines:
     """Solve with a right-hand side that is NaN from the middle on: the solver should return NaN or report failure."""
-    middle = sum(_SPAN) / 2
+    middle = sum(SPAN) / 2
     try:
-        run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], _SPAN, (1.0,), _RTOL, _ATOL)
+        run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], SPAN, (1.0,), RTOL, ATOL)
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it has not ended: {failure}"]
     except Misbehaviour as failure:
@@ -281,11 +254,11 @@ def _nan(subject: ForeignSolver) -> _Seen:
     return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, without saying so"]
 
 
-def _jump(subject: ForeignSolver) -> _Seen:
+def _jump(subject: ForeignSolver) -> RunLines:
     """Solve u' = 0 before t = 2/3 and u' = 1 after it, where every step across the jump has a large error."""
     at = 2.0 / 3.0
     try:
-        run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
+        run = subject.solve(lambda n, t, y: [float(t > at)], SPAN, (0.0,), RTOL, ATOL)
     except DoesNotEnd as failure:
         return [], [f"at a jump of f it has not ended: {failure}"]
     except Misbehaviour as failure:
@@ -295,187 +268,22 @@ def _jump(subject: ForeignSolver) -> _Seen:
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
     if run.complaint:
         return [*lines, f"it reports: {run.complaint}"], []
-    if off > _OF_A_JUMP * _RTOL and subject.adaptive:
-        return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {_RTOL:g}: the jump is stepped over"]
+    if off > _OF_A_JUMP * RTOL and subject.adaptive:
+        return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {RTOL:g}: the jump is stepped over"]
     shortest = min((b - a for a, b in pairwise(run.t[:-1])), default=0.0) * (1 + _TINY)
     for (a, b), (u,), (v,) in zip(pairwise(run.t), run.y, run.y[1:], strict=False):
-        error = abs(v - u - (b - at)) / ((_ATOL if subject.takes == TOLERANCES else _RTOL) + _RTOL * abs(v))
+        error = abs(v - u - (b - at)) / ((ATOL if subject.takes == TOLERANCES else RTOL) + RTOL * abs(v))
         if a <= at < b <= a + shortest and error > _OF_A_JUMP and subject.adaptive:
             most = f"the shortest step that it takes, of {b - a:.3g}, is off by {error:.2g} times the tolerance"
             return lines, [f"across a jump of f {most}, without saying so"]
     return lines, []
 
 
-def _tolerance(subject: ForeignSolver) -> _Seen:
-    """Measure the effect of tolerances, and what errors are compared with, also where it takes too many calls."""
-    grown = _of_growth(subject) if subject.adaptive else []
-    try:
-        lines, faults = _on_known_problems(subject)
-    except TooSlow as slow:
-        if not grown:
-            raise
-        return [f"not seen: {slow}"], grown
-    return lines, faults or grown
-
-
-def _on_known_problems(subject: ForeignSolver) -> _Seen:
-    """Measure the effect of smaller tolerances or steps on two problems whose solutions are enclosed in balls."""
-    lines: list[str] = []
-    for words, problem, span in _KNOWN:
-        seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
-        lines += [f"{words}: {line}" for line in seen]
-        if faults:
-            told = any("is ignored" in fault or "without saying" in fault for fault in faults)
-            return lines, faults if told else [*faults, *_ignored(subject)]
-    return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
-
-
-def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:
-    """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
-    runs = list[Solution]()
-    try:
-        runs += (_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES)
-    except TooSlow:
-        if len(runs) < _FEWEST:
-            raise
-    least = _TOLERANCES[len(runs) - 1]
-    if failed := next((run for run in runs if run.complaint), None):
-        return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
-    if early := next((run for run in runs if _ends_early(run, span)), None):
-        return [], [f"on {problem.words} it ends at t = {early.t[-1]:.6g} of {span}, without saying so"]
-    errors = [_error(run, problem) for run in runs]
-    lines = [
-        f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
-        for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=False)
-    ]
-    hidden = f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"
-    if len({run.t for run in runs}) == 1:
-        if _is_deaf(subject, problem, span, runs[0]):
-            return lines, ["rtol is ignored: the steps are the same at every tolerance"]
-        return [*lines, hidden], []
-    # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
-    floor = max(float(run.format.u) for run in runs) * 2.0**10
-    if max(errors[-1], floor) > max(errors[0] / 10, least) and errors[0] > 10 * floor:
-        tiniest = _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST) if errors[0] < _TOLERANCES[0] else None
-        if tiniest and not tiniest.complaint and 10 * _error(tiniest, problem) < errors[-1]:
-            return [*lines, hidden], []
-        return lines, [
-            f"a tolerance {_TOLERANCES[0] / least:.0f} times smaller does not make the error 10 times smaller"
-        ]
-    clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=False) if error > floor]
-    if len(clear) > 1:
-        (first, most), (last, smallest) = clear[0], clear[-1]
-        lines.append(f"errors fall like rtol^{log(most / smallest) / log(first / last):.2f}")
-    far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
-    return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
-
-
-def _ends_early(run: Solution, span: tuple[float, float]) -> bool:
-    """True if it ends by more than a step before the end, where it has no error yet."""
-    last = run.t[-1] - run.t[-2] if len(run.t) > 1 else 0.0
-    return span[1] - run.t[-1] > last + _GROSS
-
-
-def _shortened(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:
-    """The errors with more and more equal steps, if the solver takes their size or number."""
-    lines, before = [], 0.0
-    for steps in (64, 128, 256) if subject.takes != NOTHING else (64,):
-        run = _solved(subject, problem, span, steps=steps)
-        error = _error(run, problem)
-        order = f", order {log2(before / error):.2f}" if before > error > 0 else ""
-        lines.append(f"with {len(run.t) - 1} steps: error {error:.2g}{order}")
-        before = error
-    return lines, []
-
-
-def _ignored(subject: ForeignSolver) -> list[str]:
-    """The tolerances that are ignored: one of them is changed while the other is too small to matter.
-
-    One that only sets the first step size is ignored as well: the other one governs the error.
-    """
-    if subject.takes != TOLERANCES:
-        return []
-    _, problem, span = _KNOWN[0]
-    found = []
-    for name, pairs in _ONE_AT_A_TIME.items():
-        runs = [_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in (*pairs, (1e-3, 1e-3))]
-        if any(run.complaint for run in runs):  # a refusal shows no steps
-            continue
-        large, small, both_large = (_error(run, problem) for run in runs)
-        if runs[0].t == runs[1].t:
-            deaf = _is_deaf(subject, problem, span, runs[0])
-            found += [f"{name} is ignored: the steps are the same whatever it is"] * deaf
-        elif large < _EFFECT * small and _BELOW * large < both_large:
-            found.append(f"{name} is ignored: the error is {large:.2g} at {name} = 0.001 and {small:.2g} at 1e-06")
-    return found
-
-
-def _is_deaf(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], run: Solution) -> bool:
-    """True if the steps are those of the run also at tolerances that no largest step size hides."""
-    with suppress(DoesNotEnd, TooSlow):
-        return _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST).t == run.t
-    return False
-
-
-def _of_another_scale(subject: ForeignSolver) -> list[str]:
-    """The fault of other steps where y and atol are 2^20 times as large; they are the same for atol + rtol |y|.
-
-    If they are the same, to rounding, where rtol is given as atol and atol as rtol, the two are exchanged.
-    """
-
-    def times(size: float, rtol: float, atol: float) -> tuple[float, ...]:
-        run = subject.solve(lambda n, t, y: [y[1], -y[0]], _KNOWN[0][2], (size, 0.0), rtol, atol)
-        return () if run.complaint else run.t
-
-    small, large = (len(times(x, _RTOL, x * _ATOL)[1:]) for x in (1.0, _SIZE))
-    if not 4 * abs(large - small) > small > 0:
-        return []
-    one, other = times(1.0, _ATOL, _RTOL), times(_SIZE, _SIZE * _ATOL, _RTOL)
-    exchanged = len(one) == len(other) and np.allclose(one, other, rtol=0, atol=_SAME_TIME)
-    how = "rtol and atol are exchanged" if exchanged else "errors are not compared with atol + rtol |y| alone"
-    return [f"{how}: with y and atol 2^20 times as large it takes {large} steps instead of {small}"]
-
-
-def _of_growth(subject: ForeignSolver) -> list[str]:
-    """The fault of far more steps where y grows from 1 to 2^16 than where it begins there, by the same slopes.
-
-    These are constant up to the middle of the run, and vary from there on, so that no step is short before. About as
-    many steps follow if errors are compared with y as it is, and not with y at the start.
-    """
-    middle = sum(_SPAN) / 2
-
-    def late(start: float) -> int:
-        pace: RunSlopes = lambda n, t, y: [_GROWN * (1 + sin(30 * t) / (2 + exp(40 * (middle - t))))]
-        run = subject.solve(pace, _SPAN, (start,), _OF_GROWN, _OF_GROWN / 1e3)
-        return sum(t > middle for t in run.t)
-
-    grown: float = inf
-    with suppress(Misbehaviour, TooSlow):
-        begun = late(_GROWN)
-        with suppress(DoesNotEnd, TooSlow):
-            grown = late(1.0)
-        if grown > 2 * begun:
-            seen = f"of y from 1 to 2^16 its second half takes {grown} steps, from 2^16 on {begun}"
-            return [f"errors are not compared with atol + rtol |y| alone, as if y were that at the start: {seen}"]
-    return []
-
-
-def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], **settings: Any) -> Solution:
-    rate: RunSlopes = lambda n, t, y: [float(x) for x in problem.rate(t, list(y))]
-    return subject.solve(rate, span, problem.start(span[0]), **settings)
-
-
-def _error(run: Solution, problem: NonlinearProblem) -> float:
-    """The distance of the last state from the solution, whose enclosure is far narrower than the digits shown."""
-    true = problem.solution(arb(run.t[-1]))
-    return hypot(*(float((arb(x) - y).mid()) for x, y in zip(run.y[-1], true, strict=True)))
-
-
-def _stiffness(subject: ForeignSolver) -> _Seen:
+def _stiffness(subject: ForeignSolver) -> RunLines:
     """Solve y' = -1000 (y - cos t) - sin t, which an explicit method follows only in steps of a few thousandths."""
     try:
         slopes: RunSlopes = lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)]
-        run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
+        run = subject.solve(slopes, SPAN, (cos(SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
         return [f"on y' = -1000 (y - cos t) - sin t it has not ended: {failure}"], []
     longest = _STIFF * max((b - a for a, b in pairwise(run.t)), default=0.0)
@@ -493,5 +301,5 @@ def _stiffness(subject: ForeignSolver) -> _Seen:
 
 _QUESTIONS = {
     "Constant slopes": _constant_slopes, "Clock": _clock, "Backward": _backward, "Numbers": _numbers, "NaN": _nan,
-    "A jump": _jump, "Tolerance": _tolerance, "Stiffness": _stiffness,
+    "A jump": _jump, "Tolerance": tolerance_effect, "Stiffness": _stiffness,
 }  # fmt: skip

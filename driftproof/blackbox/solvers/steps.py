@@ -222,7 +222,8 @@ class _Marked:
         if not self.h > 0:
             raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
         # A call within rounding of the start, such as the end of the step before, is one at the start.
-        calls = tuple(call._replace(t=self.start) if self._is_start(call.t) else call for call in self.silent.calls)
+        near = 2 * float(self.format.u) * abs(self.start)
+        calls = tuple(x._replace(t=self.start) if abs(x.t - self.start) <= near else x for x in self.silent.calls)
         self.silent = self.silent._replace(calls=calls)
         # The calls that choose the first step size come before those of the steps, and may lie in this one.
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
@@ -237,9 +238,6 @@ class _Marked:
             raise NotReadable(f"with all slopes 0, from y = 0, it calls f at y = {at:.3g}: differences for a Jacobian")
         if len(self.near) > MOST_CALLS:
             raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
-
-    def _is_start(self, t: float) -> bool:
-        return abs(t - self.start) <= 2 * float(self.format.u) * abs(self.start)
 
     @property
     def nodes(self) -> tuple[float, ...]:

@@ -11,13 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
-    TRIAL_ARGUMENTS,
-    arguments_by_role,
-    call_by_names,
-    function_of,
-    plain_role,
-)
+from driftproof.blackbox.stepper import wrapper_parts as common
 
 # Names of control inputs, which a step hands on to its function; 0 is given where it computes with them as well.
 CONTROL_INPUTS = ("u", "uk", "u_k", "control", "controls", "ctrl", "action", "input", "inputs", "torque", "thrust")
@@ -36,11 +30,11 @@ def asked_step(step: Callable[..., Any]) -> Callable[..., Any] | None:
     0.5
     """
     names = [] if inspect.isclass(step) else calling.names_with_step(step) or []
-    kind = calling.FORCE if {calling.POSITION, calling.VELOCITY} <= {*map(plain_role, names)} else calling.FIELD
-    usual = [each for each in names if plain_role(each) == calling.FUNCTION]
-    others = [each for each in names if each not in arguments_by_role(names, kind)]
+    kind = calling.FORCE if {calling.POSITION, calling.VELOCITY} <= {*map(common.plain_role, names)} else calling.FIELD
+    usual = [each for each in names if common.plain_role(each) == calling.FUNCTION]
+    others = [each for each in names if each not in common.arguments_by_role(names, kind)]
     for function, value in product(usual or others, (None, 0.0)):
-        known = {each: each for each in names if each not in others} | {function: (*usual, function_of(kind))[0]}
+        known = {each: each for each in names if each not in others} | {function: (*usual, common.function_of(kind))[0]}
         counts = [each for each in others if each != function and calling.word_of(each) in calling.COUNTS]
         known |= {each: each for each in counts if kind == calling.FIELD}
         inputs = {each: 1 if each in counts else value for each in names if each not in known}
@@ -55,9 +49,9 @@ def _asked(
     step: Callable[..., Any], names: list[str], known: dict[str, str], inputs: dict[str, Any], kind: str
 ) -> Callable[..., Any] | None:
     """The step of what is `known`, by its usual name, after a trial; None if its function is not called, or usual."""
-    (function,) = (each for each, name in known.items() if plain_role(name) == calling.FUNCTION)
-    given, asked = arguments_by_role([*known.values()], kind), list[tuple[Any, ...]]()
-    trial = {**TRIAL_ARGUMENTS, "t": _AT, "t + h": _AT + _LONG, "h": _LONG}
+    (function,) = (each for each, name in known.items() if common.plain_role(name) == calling.FUNCTION)
+    given, asked = common.arguments_by_role([*known.values()], kind), list[tuple[Any, ...]]()
+    trial = {**common.TRIAL_ARGUMENTS, "t": _AT, "t + h": _AT + _LONG, "h": _LONG}
     size = np.size(trial["y" if kind == calling.FIELD else "q"])
 
     def places(x: tuple[Any, ...]) -> tuple[int, ...]:
@@ -88,7 +82,7 @@ def _asked(
         passed = {each: repr(x) for each, x in inputs.items()} | dict(zip(known, texts, strict=True))
         text = passed[function]
         passed[function] = taken.format(f"({text})" if "lambda" in text and not plain else text)
-        return call_by_names(step, names, passed)
+        return common.call_by_names(step, names, passed)
 
     calling.stand_in(stepped, step, [*known.values()])
     stepped.written, stepped.timed = written, "t" in given.values() or len(used) > 1  # type: ignore[attr-defined]

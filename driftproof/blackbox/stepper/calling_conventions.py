@@ -73,7 +73,21 @@ _FUNCTIONS = (
 # Names for the gradient of a potential; the force is minus its value.
 _GRADIENTS = (
     *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient"),
-    *("dvdq", "dvdx", "dudq", "dudx", "du_dx", "dv_dx", "dv_dq", "du_dq"),
+    *(
+        "dvdq",
+        "dvdx",
+        "dudq",
+        "dudx",
+        "du_dx",
+        "dv_dx",
+        "dv_dq",
+        "du_dq",
+        "dv",
+        "du",
+        "dpotential",
+        "nabla_u",
+        "nabla_v",
+    ),
 )
 _POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
 _VELOCITIES = (
@@ -144,6 +158,8 @@ _MATRICES = "AMKBCDFGHPQR"
 _ANGLES, _SPEEDS = ("angle", "theta", "alpha"), ("v0", "speed", "u0")
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
+# Names for a list of objects, each with its position, velocity and mass.
+BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
 MASSES, MASS = ("m", "mass", "masses"), 2.0
 INVERSE_MASSES = ("inv_mass", "inverse_mass", "invmass", "minv", "m_inv")

@@ -11,16 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
-    HEADS,
-    arguments_by_role,
-    function_of,
-    name_of,
-    plain_role,
-    run_of_steps,
-    run_wrapper,
-    stated_first,
-)
+from driftproof.blackbox.stepper import wrapper_parts as common
+from driftproof.blackbox.stepper.run_wrappers import run_wrapper
 
 _RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
 # The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
@@ -30,7 +22,7 @@ _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
 
 def function_argument(cls: type) -> str:
     """The argument of a class by which its objects are given the function that they call; "" if there is none."""
-    return next((each for each in calling.required_names(cls) or () if plain_role(each) == calling.FUNCTION), "")
+    return next((each for each in calling.required_names(cls) or () if common.plain_role(each) == calling.FUNCTION), "")
 
 
 def attribute_of(made: Any, role: str) -> str:
@@ -51,8 +43,8 @@ def class_run_wrapper(cls: type) -> str:
     if (run := run_of_class(cls)) is None:
         return ""
     if any(calling.word_of(each) in (*calling.TOLERANCE_NAMES[0], "tol") for each in calling.parameters_of(cls) or ()):
-        return f"identify_solver({name_of(cls)}), on the command line --solver, for a whole solver"
-    return stated_first(run_wrapper(run, calling.required_names(run) or []))
+        return f"identify_solver({common.name_of(cls)}), on the command line --solver, for a whole solver"
+    return common.stated_first(run_wrapper(run, calling.required_names(run) or []))
 
 
 def run_of_class(cls: type) -> Callable[..., Any] | None:
@@ -75,9 +67,10 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
     run = next((each for each in _RUNS if each in methods), "")
     if not run or not function_argument(cls):
         return None
-    taken = {each: _without_self(x) for each, x in methods.items()} | {
-        "": [*(calling.parameters_of(cls) or {}).values()]
-    }
+    taken = {each: [*(calling.parameters_of(method) or {}).values()][1:] for each, method in methods.items()}
+    rest = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    taken = {each: [x for x in found if x.kind not in rest] for each, found in taken.items()}
+    taken[""] = [*(calling.parameters_of(cls) or {}).values()]
     order = ["", run]
     if not _begins(x.name for each in order for x in taken[each]):
         setter = next((x for x in methods if len(taken[x]) == 1 and _begins([taken[x][0].name])), None)
@@ -105,7 +98,7 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
         calls = []
         for each in order:
             arguments = ", ".join(given[x.name] for x in taken[each] if x.name in given)
-            calls.append(f"made.{each}({arguments})" if each else f"made = {name_of(cls)}({arguments})")
+            calls.append(f"made.{each}({arguments})" if each else f"made = {common.name_of(cls)}({arguments})")
         end = f"({', '.join(f'made.{each}' for each in left)})" if left else calls.pop()
         return f"‹{'; '.join(calls)}›{end}"
 
@@ -120,11 +113,6 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
 def public_methods(cls: type) -> list[str]:
     """The names of a class's methods that are for others."""
     return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
-
-
-def _without_self(method: Callable[..., Any]) -> list[inspect.Parameter]:
-    found = [*(calling.parameters_of(method) or {}).values()][1:]
-    return [x for x in found if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)]
 
 
 def _begins(names: Iterable[str]) -> bool:
@@ -148,7 +136,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     vector = next((type(x) for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), None)
     kind = calling.FORCE if q and v else calling.FIELD
     taken = (calling.names_with_step(method) or [""])[1:]
-    call, start = (arguments_by_role(each, kind) for each in (taken, makes))
+    call, start = (common.arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
     asked = {
         x: (calling.required_names(getattr(cls, x)) or [])[1:]
@@ -160,7 +148,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
     calls = [without, *[call] * (without != call and len(call) == len(taken))]
     for name, call in product((*asked, *pushed), calls):
-        names, function = asked.get(name, []), function_of(kind)
+        names, function = asked.get(name, []), common.function_of(kind)
         timed = kind == calling.FORCE or any(calling.role_of(each, (calling.TIME,)) for each in names)
         if name not in asked:
             function = "force(q)"
@@ -177,7 +165,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
         found = _Put(cls, start, puts, advance, [*call.values()], kind, vector)
         with suppress(Exception):
             if found.moves_by():
-                return found.line(HEADS[kind] if timed else "f, y, h")
+                return found.line(common.HEADS[kind] if timed else "f, y, h")
     return ""
 
 
@@ -204,11 +192,11 @@ class _Put(NamedTuple):
         """The wrapper of a step; of n steps, if an object that has made steps makes others than a new one."""
         numbers = ("q", "v", "force(q)") if self.vector else ()
         write = lambda text: f"{self.vector.__name__}({text}, 0.0)" if text in numbers else text
-        begin = f"made = {name_of(self.cls)}({', '.join(map(write, self.start.values()))}); "
+        begin = f"made = {common.name_of(self.cls)}({', '.join(map(write, self.start.values()))}); "
         begin += f"{', '.join(f'made.{each}' for each in self.puts)} = {', '.join(map(write, self.puts.values()))}; "
         act = f"made.{self.advance}({', '.join(self.call)})"
         if self.kind == calling.FIELD and self.remembers():
-            return run_of_steps(head, "y", f"({act}, [*made.{self.places[0]}])[1]", begin)
+            return common.run_of_steps(head, "y", f"({act}, [*made.{self.places[0]}])[1]", begin)
         ends = ", ".join(f"made.{each}{'.x' if self.vector else ''}" for each in self.places)
         return f"def wrapped({head}): {begin}{act}; return {ends}"
 

@@ -281,19 +281,15 @@ def _states_of_generator(
     generator: Any, start: Sequence[Any], layout: str | None, steps: int
 ) -> tuple[Sequence[Any], str]:
     """The states that a generator yields, after the start, and their layout. Raises NotANumber if there are none."""
-    states = [_numbers_of(state)[-len(start) :] for state in islice(generator, steps + 1)]
+    parts = (each if isinstance(each, tuple) else (each,) for each in islice(generator, steps + 1))
+    # In (t, y) and (q, v), the numbers of the state come last.
+    states = [np.concatenate([as_array(part).ravel() for part in each])[-len(start) :] for each in parts]
     if not states:
         raise NotANumber("the generator ends before it yields a state")
     if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
         return [np.concatenate(states)], _END
     found = layout or (_ROWS if _is_start(start, states[0]) else _END)
     return (states if found == _ROWS else [np.array(start), *states[:steps]]), found
-
-
-def _numbers_of(state: Any) -> np.ndarray[Any, Any]:
-    """All numbers that were yielded at once; in (t, y) and (q, v), those of the state come last."""
-    parts = state if isinstance(state, tuple) else (state,)
-    return np.concatenate([as_array(part).ravel() for part in parts])
 
 
 def _is_start(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:

@@ -1,4 +1,4 @@
-"""Wrappers of steppers that are made first, ready to paste: classes, objects that keep a state, makers of steppers."""
+"""Wrappers of steppers that are made first, ready to paste: from a class, or by a function that makes steppers."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from copy import copy, deepcopy
-from itertools import product
+from copy import copy
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
@@ -23,53 +23,24 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STATE,
     STEP,
     TIME,
-    UNIT_PARAMETERS,
     VELOCITY,
-    has_gradient,
     names_with_step,
     parameters_of,
     required_names,
-    role_of,
-    word_of,
 )
 from driftproof.blackbox.stepper.class_wrappers import (
-    PUSHED,
     attribute_of,
-    attributes_of,
     class_run_wrapper,
     function_argument,
     public_methods,
-    put_wrapper,
 )
-from driftproof.blackbox.stepper.function_wrappers import (
-    BEFORE,
-    FIRST_STEP_UNTIMED,
-    HEADS,
-    TRIAL_ARGUMENTS,
-    WITH_SPEEDS,
-    arguments_by_role,
-    function_of,
-    is_before,
-    kind_by_names,
-    later_arguments,
-    name_of,
-    plain_role,
-    run_of_steps,
-    takes_force,
-)
-from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
+from driftproof.blackbox.stepper.kept_state_wrappers import ADVANCES, advance_of, kept_state_wrapper
 
-_ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
-_PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
-# What stands for the wrapper's arguments where an object is made.
-_AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
 # A right-hand side that is given inputs after its state.
 _OF_STATE = "lambda y, *rest: f(y)"
 _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 # Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
 _TRIED = 12
-# A step so short that a number moves by its rate, to this part.
-_SHORT, _NEAR = 2.0**-20, 2.0**-6
 
 
 def object_wrapper(step: Callable[..., Any]) -> str:
@@ -78,183 +49,51 @@ def object_wrapper(step: Callable[..., Any]) -> str:
         advance = advance_of(step) or "step"
         made, whole = _made_anyhow(step), class_run_wrapper(step)
         once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
-        return once or _kept_wrapper(step, made, advance)
+        return once or kept_state_wrapper(step, made, advance)
     made, names = getattr(step, "__self__", None), required_names(step)
-    if made is None or names is None or [*map(plain_role, names)] not in ([STEP], []):
+    if made is None or names is None or [*map(common.plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
-    return taken or _kept_wrapper(cls, made, step.__name__)
+    return taken or kept_state_wrapper(cls, made, step.__name__)
 
 
 def _own_step(cls: type) -> str:
     """The method of an object of the class that is a step already, of the state and a function or of q and v."""
-    for each in (name for name in _ADVANCES if hasattr(cls, name)):
-        roles = {plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
+    for each in (name for name in ADVANCES if hasattr(cls, name)):
+        roles = {common.plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
         if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
             given = ", ".join(name.upper() for name in required_names(cls) or ())
-            return f"wrapped = {name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
+            return f"wrapped = {common.name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
     return ""
 
 
 def _made_anyhow(cls: type) -> Any:
     """An object of the class, made with trial values, or a function, for each argument; else the class itself."""
-    given = arguments_by_role(names := required_names(cls) or [], FIELD)
+    given = common.arguments_by_role(names := required_names(cls) or [], FIELD)
     for known in (given, {}):
         with suppress(Exception):
-            return cls(*[TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
+            return cls(*[common.TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
     return cls
-
-
-def making(cls: type, kind: str, made: Any = None) -> str:
-    """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
-
-    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
-    those of some start for a state.
-    """
-    names, name = required_names(cls) or [], name_of(cls)
-    taken = function_of(kind) * bool(function_argument(cls))
-    if len(names) == bool(taken) and not has_gradient(names):
-        return name
-    kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
-    given = {each: _AT_REST.get(text, text) for each, text in arguments_by_role(names, kind).items()}
-    given |= {each: "1.0" for each in names if each not in given and word_of(each) in UNIT_PARAMETERS}
-    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
-    return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
-
-
-def _kept_wrapper(cls: type, made: Any, advance: str) -> str:
-    """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
-    pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
-    line = "" if pushed else put_wrapper(cls, made, advance)
-    if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
-        return line
-    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
-
-
-def _two_positions_wrapper(cls: type, advance: str) -> str:
-    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
-
-    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
-    """
-    with suppress(Exception):
-        names, function = required_names(cls) or [], function_argument(cls)
-        kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
-        before = next(each for each in kept if is_before(each))
-        q = next(each for each in kept if role_of(each, (POSITION,)))
-        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
-            return ""
-        vector = type(kept[q]).__name__ if hasattr(kept[q], "x") and hasattr(kept[q], "y") else ""
-        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else (".x" * bool(vector), "")
-        put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
-        force = f"lambda p, *rest: {put(f'force(p{first})')}"
-        start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(BEFORE)}; "
-        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
-        push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
-        if not (push or function):
-            return ""
-        pushed = "" if function else f"{push}force(made.{q}{first})), "
-        later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
-        return run_of_steps(HEADS[FORCE], f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
-    return ""
-
-
-def further_names(cls: type, advance: str) -> list[str]:
-    """What a method of a class needs besides its object and the step size."""
-    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if plain_role(each) != STEP]
-
-
-def _state_wrapper(cls: type, made: Any, advance: str) -> str:
-    """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
-    q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
-    moved, pair = _moved_numbers(made, advance)
-    q, v = _pushed_pair(made, advance) or (q, v) if q and v else pair or (q, v)
-    built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
-    if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
-        return _numbers_wrapper(cls, made, advance, moved)
-    if not (q and v) and (not state or takes_force([function_argument(cls)])):
-        return ""
-    where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
-    if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
-        of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
-        where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
-    if function_argument(cls) and not (q and v):
-        where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
-    make = making(cls, FORCE if q and v else FIELD, made)
-    act, size = f'"{advance}"', attribute_of(made, STEP)
-    taken = ["h" if plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
-    if size and "h" not in taken:
-        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
-    elif "0.0" in taken:
-        act = f"lambda made, h: made.{advance}({', '.join(taken)})"
-    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
-
-
-def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] | None]:
-    """The numbers and arrays of an object, but its time, that a short step moves; and the first that another one moves.
-
-    That other one is its velocity.
-    """
-    with suppress(Exception):
-        moved = deepcopy(made)
-        known = {each: x for each, x in attributes_of(moved).items() if isinstance(x, float | np.ndarray)}
-        for i, (each, x) in enumerate(known.items()):
-            setattr(moved, each, _SHORT if plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
-        before = {each: copy(getattr(moved, each)) for each in known}
-        getattr(moved, advance)(*[_SHORT if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
-        rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
-        rates = {each: rate for each, rate in rates.items() if np.any(rate)}
-        others = product(rates.items(), before.items())
-        pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
-        near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
-        return [*rates], next(iter(near or pairs * (len(pairs) == 1)), None)  # the only one, though it moves it wrongly
-    return [], None
-
-
-def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
-    """The step of an object, made anew, whose system is built in, of the numbers that its step moves."""
-    taken, size = _taken_by(made, advance), attribute_of(made, STEP)
-    call = ", ".join("h" if plain_role(each) == STEP else "0.0" for each in taken)
-    put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
-    places = ", ".join(f"made.{each}" for each in moved)
-    makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
-    puts = f"made = {makes}; {put}[{places}] = y; made.{advance}({call})"
-    return f"def wrapped(y, h): import numpy; {puts}; return numpy.array([{places}])"
-
-
-def _taken_by(made: Any, advance: str) -> list[str]:
-    """What a method takes besides its object, with a step size that has a default."""
-    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
-
-
-def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
-    """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
-    with suppress(Exception):
-        moved, kept = deepcopy(made), attributes_of(made)
-        getattr(moved, advance)(*[0.25 if plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)])
-        pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
-        return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
-    return None
 
 
 def _class_wrapper(cls: type, own: str | None = None) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
-    ways = (each for base in cls.__mro__ for each in (*_ADVANCES, "__call__") if each in vars(base))
+    ways = (each for base in cls.__mro__ for each in (*ADVANCES, "__call__") if each in vars(base))
     own = own or next(ways, None) or _only_step(cls)  # that of the class itself before that of a base
     taken = names_with_step(getattr(cls, own)) if own else None
     if not taken:
         return ""
     method = "" if own == "__call__" else f".{own}"
-    if sum(map(is_before, names)) == 1:
+    if sum(map(common.is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
     with_size = names_with_step(cls) or []  # where a class is made with a step size that has a default, it is given
-    if STEP not in map(plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
+    if STEP not in map(common.plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
         names = with_size
-    kind = kind_by_names((*names, *taken))
-    kind = FORCE if takes_force(names) and POSITION in map(plain_role, taken) else kind
-    made = _Made(kind, cls, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    kind = common.kind_by_names((*names, *taken))
+    kind = FORCE if common.takes_force(names) and POSITION in map(common.plain_role, taken) else kind
+    made = _Made(kind, cls, common.arguments_by_role(names, kind), common.arguments_by_role(taken[1:], kind), method)
     inputs = [each for each in taken[1:] if each not in made.call]
     if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
         takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
@@ -262,7 +101,11 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if kind == FORCE and {*made.call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
         made = made._replace(call={x: "[q, v]" if text == "q" else text for x, text in made.call.items()})
     given, called = {"f" if x == _OF_STATE else x for x in made.arguments.values()}, {*made.call.values()}
-    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
+    if (
+        len(made.arguments) < len(names)
+        or len(made.call) < len(taken) - 1
+        or common.function_of(kind) not in given | called
+    ):
         return ""
     if made.state <= called or "[q, v]" in called:
         made = made.fitted()
@@ -281,7 +124,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
 
 def _only_step(cls: type) -> str:
     """The only method of a class that takes a state and a step size; "" if there are none, or several."""
-    roles = {each: {*map(plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
+    roles = {each: {*map(common.plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
     found = [each for each, held in roles.items() if STEP in held and held & {POSITION, STATE}]
     return found[0] if len(found) == 1 else ""
 
@@ -295,24 +138,17 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
     if not (clock := attribute_of(owner, TIME)):
         return ": let the time be an argument, or make the step anew each time"
     given = {each: each.upper() for each in required_names(cls) or ()}
-    call = arguments_by_role(required_names(step) or (), FIELD)
+    call = common.arguments_by_role(required_names(step) or (), FIELD)
     return f"; write: {_Made(FIELD, cls, given, call, method, time=clock).line()}"
-
-
-def kept_wrapper(kept: Sequence[str], advance: Any) -> str:
-    """What to write in a call of `stepper_of` to set what an object keeps from its last step, with words to replace."""
-    puts = ", ".join(f"setattr(made, '{name}', {name.upper()}_AT_ITS_STATE)" for name in kept)
-    act = f"made.{advance}(h)" if isinstance(advance, str) else "ADVANCE(made, h)"
-    return f"; write advance=lambda made, h: ({puts}, {act}) in the call of stepper_of"
 
 
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
     """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
-    kind = FORCE if takes_force((*names, *taken)) else FIELD
-    (before,) = filter(is_before, names)
-    given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
-    given[before], now = (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP_UNTIMED)
-    tried = {**TRIAL_ARGUMENTS, BEFORE: 0.75, now: TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
+    kind = FORCE if common.takes_force((*names, *taken)) else FIELD
+    (before,) = filter(common.is_before, names)
+    given, call = (common.arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
+    given[before], now = (common.BEFORE, "q") if kind == FORCE else ("y", common.FIRST_STEP_UNTIMED)
+    tried = {**common.TRIAL_ARGUMENTS, common.BEFORE: 0.75, now: common.TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
     given = {each: now if x == "y" and each != before else x for each, x in given.items()}
     with suppress(Exception):
         made = cls(*[tried[given[each]] for each in names])
@@ -321,10 +157,10 @@ def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Seque
         begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)}); "
         step = f"made{method}({', '.join(call[each] for each in taken)})"
         if kept and kind == FORCE:
-            later, found = f"({step}, 1.0 * made.{kept})[1]", WITH_SPEEDS.format("ys", "ys[1:]")
-            return run_of_steps(HEADS[kind], "q", later, begin, found=found)
+            later, found = f"({step}, 1.0 * made.{kept})[1]", common.WITH_SPEEDS.format("ys", "ys[1:]")
+            return common.run_of_steps(common.HEADS[kind], "q", later, begin, found=found)
         if kept:
-            return run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
+            return common.run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
     return ""
 
 
@@ -342,45 +178,14 @@ def maker_wrapper(step: Callable[..., Any]) -> str:
     names = required_names(step) or []
     made: Callable[..., Any] | None = None
     with suppress(Exception):
-        made = step(*(0.25 if plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
+        made = step(*(0.25 if common.plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
     inner = required_names(made) if callable(made) else None
     if not inner:
         return ""
-    kind = kind_by_names((*names, *inner))
-    arguments = {each: "h" if plain_role(each) == STEP else function_of(kind) for each in names}
-    given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
+    kind = common.kind_by_names((*names, *inner))
+    arguments = {each: "h" if common.plain_role(each) == STEP else common.function_of(kind) for each in names}
+    given = {each: each.upper() for each in inner} | common.arguments_by_role(inner, kind)
     return _Made(kind, step, arguments, given).line()
-
-
-def world_wrapper(cls: type) -> str:
-    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
-
-    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
-    """
-    held = next(iter(required_names(cls) or []), "")
-    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
-    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
-        with suppress(Exception):
-            ones = [1.0] * len(required_names(body) or [])
-            world, made = cls([body(*ones)]), body(*ones)
-            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
-            upright = push and hasattr(made, "y") and hasattr(made, "vy")
-            q, v = ("y", "vy") if upright else (attribute_of(made, POSITION), attribute_of(made, VELOCITY))
-            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
-                continue
-            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
-            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
-            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
-            options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
-            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
-    return ""
-
-
-def advance_of(cls: type) -> str:
-    """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
-    alone = [each for each in public_methods(cls) if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
-    alone = [each for each in alone if any(word in each for word in _ADVANCES)] or alone
-    return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
 
 
 class _Made(NamedTuple):
@@ -405,27 +210,27 @@ class _Made(NamedTuple):
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
-        head = HEADS[self.kind] if timed else "f, y, h"
-        made, call = f"{name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
+        head = common.HEADS[self.kind] if timed else "f, y, h"
+        made, call = f"{common.name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         begin += f"made.{self.size} = h; " * bool(self.size)
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
-        arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
+        arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
             copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)  # what is kept may be changed in place
             later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
             copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}  # so may be what it is given
             given = ", ".join(copies.get(each, each) for each in self.arguments.values())
-            begin = begin.replace(made, f"{name_of(self.make)}({given})", 1)
-        return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
+            begin = begin.replace(made, f"{common.name_of(self.make)}({given})", 1)
+        return common.run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def fitted(self) -> _Made:
         """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""
-        start, function = _START[self.kind], function_of(self.kind)
+        start, function = _START[self.kind], common.function_of(self.kind)
         try:
             self.stepped(self.new(start, 0.0), start, 0.0)
         except Exception as failure:

@@ -11,14 +11,8 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import (
-    TRIAL_ARGUMENTS,
-    arguments_by_role,
-    called_functions,
-    gradients_of,
-    is_before,
-    plain_role,
-)
+from driftproof.blackbox.stepper.function_wrappers import called_functions, gradients_of
+from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, is_before, plain_role
 
 # A decay so fast that a long step of it grows, unless it is solved for.
 _STIFF, _GROWN = 2.0**10, 2.0
@@ -88,11 +82,8 @@ def _explicit_first(step: Callable[..., Any], names: Sequence[str], pair: Sequen
     solved = list[Sequence[str]]()
     for parts in permutations(pair):
         with suppress(Exception):
-            slopes = dict(zip(parts, (lambda *x: 0.0 * max(x, key=np.size), _decay), strict=True))
+            rates: dict[str, Any] = dict(zip(parts, (0.0, -_STIFF), strict=True))
+            slopes = {each: lambda *x, rate=rate: rate * max(x, key=np.size) for each, rate in rates.items()}
             end = step(**slopes, **{each: TRIAL_ARGUMENTS[text] for each, text in given.items()})
             solved += [parts] * bool(np.abs(end).max() < _GROWN)
     return solved[0] if len(solved) == 1 and {"y", "h"} <= {*given.values()} else ()
-
-
-def _decay(*x: Any) -> Any:
-    return -_STIFF * max(x, key=np.size)

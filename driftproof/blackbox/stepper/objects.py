@@ -257,11 +257,8 @@ class ObjectStep:
         return self.made
 
     def _new(self) -> Object:
-        return self.make(self._answer) if self.takes_function else self.make()
-
-    def _answer(self, *arguments: Any) -> Any:
-        assert self.function is not None
-        return self.function(*arguments)
+        answer = lambda *arguments: self.function(*arguments)  # type: ignore[misc]
+        return self.make(answer) if self.takes_function else self.make()
 
 
 def _takes_function(make: Callable[..., Object]) -> bool:

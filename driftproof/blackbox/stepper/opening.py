@@ -13,17 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import (
-    BadInput,
-    Exchanged,
-    Increment,
-    Misbehaviour,
-    NotANumber,
-    OwnClock,
-    StaleSlope,
-    WrongShape,
-)
+from driftproof.blackbox import findings
 from driftproof.blackbox.stepper import calling_conventions as calling
+from driftproof.blackbox.stepper import wrappers
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
@@ -33,13 +25,14 @@ from driftproof.blackbox.stepper.array_adapters import (
     as_array,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper, name_of, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.named_forms import named_forms
-from driftproof.blackbox.stepper.plain_forms import Numbers, plain_forms
+from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
+from driftproof.blackbox.stepper.run_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
@@ -54,12 +47,7 @@ from driftproof.blackbox.stepper.trial_steps import (
     one_step,
     tried,
 )
-from driftproof.blackbox.stepper.wrappers import (
-    OWN_STEP,
-    template,
-    uncalled,
-    wrapper_line,
-)
+from driftproof.blackbox.stepper.wrapper_parts import name_of
 from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
@@ -83,18 +71,18 @@ def opened(
     `Misbehaviour` of the most natural adapter.
     """
     own = with_own_jacobian(step) if calls == calling.FIELD else step
-    given, step, failures = step, with_slopes_kept(own), list[Misbehaviour]()
+    given, step, failures = step, with_slopes_kept(own), list[findings.Misbehaviour]()
 
     def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
         for attempt in attempts:
             try:
                 return attempt()
-            except OwnClock:
+            except findings.OwnClock:
                 raise
-            except Misbehaviour as failure:
+            except findings.Misbehaviour as failure:
                 failures.append(failure)
-            except BadInput as refused:  # of a form, which another one may fit
-                failures.append(WrongShape(str(refused)))
+            except findings.BadInput as refused:  # of a form, which another one may fit
+                failures.append(findings.WrongShape(str(refused)))
         return None
 
     def as_plain() -> ForeignStepper | None:
@@ -109,12 +97,12 @@ def opened(
     except ValueError as error:
         if found := as_plain() or as_named():
             return found
-        if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
+        if stale := [failure for failure in failures if isinstance(failure, findings.StaleSlope)]:
             raise stale[0] from None
-        line = _tried_out(wrapper_line(given), given)
+        line = _tried_out(wrappers.wrapper_line(given), given)
         if calls is not None:
-            raise BadInput(f"{error}{line * line.startswith(':')}") from None
-        raise BadInput(f"{_unfitting(given)}{line or template(given)}") from None
+            raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
+        raise findings.BadInput(f"{_unfitting(given)}{line or wrappers.template(given)}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
@@ -125,8 +113,9 @@ def opened(
         for trial, adapter in product(TRIALS.get(convention.kind, (one_step,)), adapters)
     )
     found = first_of(trials)
-    doubtful = not found or found.convention.kind == calling.MAP
-    if doubtful and calls in (None, calling.MAP) and array is None and (form := _of_more_numbers(step, conventions[0])):
+    doubtful = calls in (None, calling.MAP) and array is None
+    doubtful &= not found or found.convention.kind == calling.MAP
+    if doubtful and (form := form_of_more_numbers(step, conventions[0])):
         return opened(form, None, None, before, after)
     if found and not _stands_still(found):
         alone = (
@@ -134,29 +123,33 @@ def opened(
         )
         return (as_plain() if alone else None) or found  # of n numbers, or of bodies that attract each other
     # Of three numbers, or of a grid.
-    lacking = found or isinstance(failures[0], WrongShape) or isinstance(failures[0].__cause__, ValueError | IndexError)
+    lacking = (
+        found
+        or isinstance(failures[0], findings.WrongShape)
+        or isinstance(failures[0].__cause__, ValueError | IndexError)
+    )
     states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
     systems = first_of(partial(tried, made(*each), one_step) for each in product(states, SYSTEMS))
     if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
         systems = first_of([partial(tried, made(systems.convention, SYSTEMS[1]), one_step)]) or systems
     if found := systems if systems and not _stands_still(systems) else found:
         return found
-    line = _tried_out(wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
+    line = _tried_out(wrappers.wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
     if any(failure.kind == "positions_alone" for failure in failures):
         line = positions_wrapper(given)
-    if inspect.isclass(step) and isinstance(failures[0], NotANumber):  # its call makes an object
-        line = line or template(given)
+    if inspect.isclass(step) and isinstance(failures[0], findings.NotANumber):  # its call makes an object
+        line = line or wrappers.template(given)
     if line:
-        raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
-    if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
+        raise findings.BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
+    if not any(isinstance(failure, findings.StaleSlope) for failure in failures) and (found := as_plain()):
         return found
-    why = next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
+    why = next((failure for failure in failures if isinstance(failure, findings.StaleSlope)), failures[0])
     asked = why.__cause__
-    if isinstance(asked, BadInput):
+    if isinstance(asked, findings.BadInput):
         raise asked
     if isinstance(asked, AttributeError) and isinstance(asked.obj, np.ndarray | list | tuple | float):
         theirs = f"asks what it is given for .{asked.name}, and what else that holds is not known; write"
-        raise BadInput(f"{calling.signature_text(given)} {theirs}{OWN_STEP} that makes it") from asked
+        raise findings.BadInput(f"{calling.signature_text(given)} {theirs}{wrappers.OWN_STEP} that makes it") from asked
     raise why
 
 
@@ -164,24 +157,11 @@ def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
     """The subject of a form whose names are a guess, which a short step has to leave where it is."""
     found = opened(form, *options)
     for trial in TRIALS.get(found.convention.kind, (one_step,)):
-        with suppress(Misbehaviour):
+        with suppress(findings.Misbehaviour):
             end = trial(found, TINY**2)
             if np.allclose(end, TRIAL_STATE[: len(end)], rtol=0, atol=NEAR):
                 return found
-    raise WrongShape("a short step does not leave its state where it is")
-
-
-def _of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
-    """The form of a step that returns, by their values, more of its arguments than those that names make its state.
-
-    Only a step that takes something besides a state is tried, as a copy, so that a step does not notice it.
-    """
-    doubtful = found.kind in (calling.MAGNETIC, calling.ROTATION) or (found.kind == calling.MAP and found.extra)
-    if not doubtful or (copy := fresh_copy(step)) is None or (numbers := Numbers.of(copy)) is None:
-        return None
-    roles = (calling.POSITION, calling.VELOCITY, calling.STATE)
-    states = {name for role, name in found.named(step) if role in roles}
-    return replace(numbers, step=step).form if states < {*numbers.names} else None
+    raise findings.WrongShape("a short step does not leave its state where it is")
 
 
 def _stands_still(subject: ForeignStepper) -> bool:
@@ -212,10 +192,10 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     if "wrapped" not in text:
         return line
     if "built in" in said:
-        return f"{OWN_STEP}: {said}"
+        return f"{wrappers.OWN_STEP}: {said}"
     head = _HEAD.match(text)
     if head and {"y", "q", "v"} & {*head[1].split(", ")} - {*_WORD.findall(text, head.end())}:
-        return f"{OWN_STEP} that calls it with its state"
+        return f"{wrappers.OWN_STEP} that calls it with its state"
     try:
         exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
         kind = calling.conventions_of(known["wrapped"])[0].kind
@@ -231,12 +211,12 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
             ]
         else:
             return line
-    except (StaleSlope, OwnClock, Exchanged, Increment):
+    except (findings.StaleSlope, findings.OwnClock, findings.Exchanged, findings.Increment):
         return line
     except Exception as failure:
         if isinstance(failure, NameError) or "NameError" in str(failure):
             return line
-        seen = " ".join(str((isinstance(failure, BadInput) and failure.__cause__) or failure).split())
+        seen = " ".join(str((isinstance(failure, findings.BadInput) and failure.__cause__) or failure).split())
     else:
         end = ends[0][-len(state) :]
         moved = [abs(x - y) / TINY / steps for x, y in zip(end, state, strict=True)]
@@ -245,7 +225,7 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         if max(moved) < _WITHIN and (called or min(moved) > 1 / _WITHIN):
             return line
         seen = f"a step of {TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
-    return f"{OWN_STEP} that calls it; tried: {text}: {seen}"
+    return f"{wrappers.OWN_STEP} that calls it; tried: {text}: {seen}"
 
 
 def _scope_of(step: Callable[..., Any]) -> dict[str, Any]:
@@ -315,7 +295,7 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
     try:
         found = imported_object(named, what)
     except ValueError as error:
-        raise BadInput(str(error)) from error.__cause__
+        raise findings.BadInput(str(error)) from error.__cause__
     return _callable(found, named, what)
 
 
@@ -323,6 +303,6 @@ def _callable(found: Any, named: str, what: str) -> Callable[..., Any]:
     """The callable that was found; raises BadInput for anything else, with a wrapper if an object has a step."""
     if not callable(found):
         shown = "None" if found is None else f"{type(found).__name__}, which cannot be called"
-        raise BadInput(f"{named} is {shown}{uncalled(found) if what == 'stepper' else ''}")
+        raise findings.BadInput(f"{named} is {shown}{wrappers.uncalled(found) if what == 'stepper' else ''}")
     function: Callable[..., Any] = found
     return function

@@ -18,16 +18,12 @@ from driftproof.blackbox.findings import (
     StaleSlope,
     WrongShape,
 )
+from driftproof.blackbox.stepper import array_adapters as adapters
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import (
-    SCALARS,
-    AnyNumber,
-    adapters_of,
-    as_array,
-)
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, kept_wrapper
+from driftproof.blackbox.stepper.kept_state_wrappers import kept_wrapper
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
@@ -115,7 +111,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:
-        start = as_array(subject.adapter.write(TRIAL_STATE)).tolist()
+        start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
         if not np.allclose(subject.step_state(start, TINY**2), start, rtol=0, atol=NEAR):
             raise WrongShape(f"{len(start)} numbers jump, however short the step is")
     if subject.log.carried is not None:
@@ -130,7 +126,11 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
         ends = trial(subject, TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=NEAR) for x in ends] == [True, False]:
-            return _after_trial(_with_velocity_first(subject), trial)
+            order = read_as.order
+            if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
+                raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
+            turned_round = replace(subject, convention=replace(read_as, velocity_first=True), log=CallLog())
+            return _after_trial(turned_round, trial)
     turned = read_as.kind == calling.FORCE and end[1] < 0 and trial(subject, TINY)
     if turned and np.allclose(turned, np.array(TRIAL_STATE) * (1, -1), rtol=0, atol=NEAR):
         raise Exchanged(f"it returns (q1, -v1), the velocity turned around{negation_wrapper(subject)}")
@@ -159,8 +159,8 @@ def _with_strong_floats(subject: ForeignStepper, trial: TrialStep) -> ForeignSte
 
     A product of a Python float and a float32 constant is a float32; with arrays the constant's error alone remains.
     """
-    if subject.adapter is SCALARS and subject.format is not BINARY64:
-        strong = replace(subject, adapter=adapters_of(np.float64)[1], format=BINARY64, log=CallLog())
+    if subject.adapter is adapters.SCALARS and subject.format is not BINARY64:
+        strong = replace(subject, adapter=adapters.adapters_of(np.float64)[1], format=BINARY64, log=CallLog())
         with suppress(Misbehaviour):
             return found if (found := _after_trial(strong, trial)).format is BINARY64 else subject
     return subject
@@ -179,14 +179,6 @@ def _with_momentum(subject: ForeignStepper) -> ForeignStepper:
     return replace(subject, convention=replace(found, momentum=mass if heavy else 1.0))
 
 
-def _with_velocity_first(subject: ForeignStepper) -> ForeignStepper:
-    """The subject read as returning (v1, q1), if it also takes v before q. Raises Exchanged if it does not."""
-    order = subject.convention.order
-    if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
-        raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
-    return replace(subject, convention=replace(subject.convention, velocity_first=True), log=CallLog())
-
-
 def _velocity_varies(subject: ForeignStepper) -> bool:
     """True if the apparent velocity argument of the force is the velocity in another state, and no constant."""
     seen: list[float] = []
@@ -201,7 +193,7 @@ def _velocity_varies(subject: ForeignStepper) -> bool:
 
 def _require_slope_at_end(subject: ForeignStepper, end: Sequence[float]) -> None:
     """Raise StaleSlope unless the slope that a step hands on is the slope at its end."""
-    found, convention = as_array(subject.log.carried).ravel(), subject.convention
+    found, convention = adapters.as_array(subject.log.carried).ravel(), subject.convention
     if convention.kind == calling.FIELD:
         expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
     else:
@@ -216,9 +208,9 @@ def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> Non
     """Raise StaleSlope if the slope handed on is of another time than the end, unless the step ignores times."""
     if subject.convention.kind not in (calling.FIELD, calling.FORCE):
         return
-    start, asked = 1.0, list[AnyNumber]()
+    start, asked = 1.0, list[adapters.AnyNumber]()
 
-    def clock(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+    def clock(t: adapters.AnyNumber, y: Sequence[adapters.AnyNumber]) -> list[adapters.AnyNumber]:
         asked.append(t)
         return [t for _ in y]
 
@@ -226,7 +218,7 @@ def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> Non
         subject.step_field(clock, start, state, TRIAL_STEP)
     else:
         subject.step_forced(clock, start, state[:1], state[1:], TRIAL_STEP)
-    seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.carried
+    seen = float(adapters.as_array(subject.log.carried).ravel()[-1]) / subject.convention.carried
     if any(t != start for t in asked) and not np.isclose(seen, start + TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
         raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 
@@ -251,9 +243,9 @@ def _require_no_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
     found = subject.convention
     if found.kind != calling.FIELD or {calling.TIME, calling.GRID} & {*found.order} or not subject.log.asks:
         return
-    asked = list[AnyNumber]()
+    asked = list[adapters.AnyNumber]()
 
-    def still(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+    def still(t: adapters.AnyNumber, y: Sequence[adapters.AnyNumber]) -> list[adapters.AnyNumber]:
         asked.append(t)
         return zeros(t, y)
 

@@ -9,22 +9,10 @@ from typing import Any
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.asked_functions import asked_step
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import (
-    ARGUMENTS,
-    function_wrapper,
-    kind_by_names,
-    name_of,
-    plain_role,
-)
-from driftproof.blackbox.stepper.made_wrappers import (
-    advance_of,
-    further_names,
-    maker_wrapper,
-    making,
-    object_wrapper,
-    owner_of,
-    world_wrapper,
-)
+from driftproof.blackbox.stepper.function_wrappers import function_wrapper
+from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making, world_wrapper
+from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, object_wrapper, owner_of
+from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
 # What to write where no wrapper is known, and where a right-hand side is built in.
 OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"

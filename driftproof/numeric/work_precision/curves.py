@@ -9,8 +9,8 @@ from math import hypot, inf, lcm, log2
 from statistics import median
 
 from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size

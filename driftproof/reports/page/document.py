@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
 from driftproof.reports import scene_view
@@ -163,13 +163,14 @@ def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
 
 
 def _table(shown: _Shown) -> str:
-    rows = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
-    return html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
+    rows, remarks = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
+    compared = html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
+    return compared + "".join(element("p", escaped(remark)) for remark in remarks)
 
 
 def _work_precision(shown: _Shown) -> str:
     from driftproof.reports.page.work import work_curves, work_figure, work_table
-    from driftproof.symbolic.facts import stated_orders
+    from driftproof.symbolic.claimed_orders import stated_orders
 
     found, stated = work_curves(shown.scene), stated_orders(map(method_of, shown.scene.every_method))
     figure = work_figure(found, shown.identity, shown.scene.t, shown.scene.steps).markup()

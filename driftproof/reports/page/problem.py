@@ -8,7 +8,7 @@ from functools import partial
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.field_text import choices_as_functions
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene
@@ -21,7 +21,7 @@ from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
 from driftproof.reports.user_problem import kinks_of
-from driftproof.symbolic.facts import stated_orders
+from driftproof.symbolic.claimed_orders import stated_orders
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
@@ -72,7 +72,10 @@ def _scene(scene: Scene) -> str:
     else:
         rows = [["", method_of(scene.selected).title], *readout_rows(readouts, scene.problem)]
         said = html_table(rows, at) if readouts else ""
-    return said + (html_table(comparison_rows(shown["table"]), f"All methods, {at}") if "table" in shown else "")
+    if "table" not in shown:
+        return said
+    rows, remarks = comparison_rows(shown["table"])
+    return "".join([said, html_table(rows, f"All methods, {at}"), *(element("p", escaped(x)) for x in remarks)])
 
 
 def _setting(problem: Problem) -> str:

@@ -10,7 +10,7 @@ from math import ceil, floor, inf
 
 from flint import arb, ctx
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table

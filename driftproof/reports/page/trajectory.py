@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.readouts import FloatState, exact_state
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene

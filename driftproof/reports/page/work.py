@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from math import isfinite, log10
 
-from driftproof.methods.tableau_file import method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene

@@ -162,7 +162,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
 
     `stiff` is said near the top.
     """
-    from driftproof.symbolic.facts import stated_orders
+    from driftproof.symbolic.claimed_orders import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
     goals = GOALS if study.error is None else [study.error]

@@ -10,8 +10,8 @@ from pathlib import Path
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import method_of
 from driftproof.support.plain_text import as_json, unknown
 from driftproof.support.results import Printable
 from driftproof.symbolic.derivation.energy import (

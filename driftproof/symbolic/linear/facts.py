@@ -6,10 +6,12 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Collocation, Method, RungeKutta, require_method
+from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.support.plain_text import unknown
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
@@ -191,10 +193,9 @@ class LinearFacts:
     For a method with R(z) they are about y' = λy, else about the oscillator q' = v, v' = -q with the matrix M(h).
     """
 
-    def __init__(self, method: Method, terms: int = TERMS) -> None:
+    def __init__(self, method: str | Path | Method, terms: int = TERMS) -> None:
         """Keep the method; nothing is computed yet. `terms` is the length of the series."""
-        require_method(method)
-        self.method = method
+        self.method = method_of(method)
         self.terms = terms
 
     stability_function = _from_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy; None without it.")

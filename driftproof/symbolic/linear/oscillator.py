@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, require_method
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.algebra.matrices import StepMatrix, of_matrix
 from driftproof.symbolic.algebra.polynomials import (
@@ -31,14 +33,14 @@ from driftproof.symbolic.linear.stability_function import (
 )
 
 
-def stability_function_of(method: Method) -> RationalFunction | None:
+def stability_function_of(method: str | Path | Method) -> RationalFunction | None:
     """R(z) of a Runge-Kutta or collocation method; None for splittings and Nyström methods.
 
     >>> from driftproof import METHODS, stability_function_of
     >>> stability_function_of(METHODS["forward_euler"]).num
     x + 1
     """
-    require_method(method)
+    method = method_of(method)
     if isinstance(method, RungeKutta):
         return stability_function(method)
     return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None

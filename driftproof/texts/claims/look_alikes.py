@@ -33,7 +33,8 @@ from driftproof.texts.claims.places import (
 )
 from driftproof.texts.claims.possible_values import PossibleValues
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_problems import speeds_named, stated_questions
+from driftproof.texts.claims.stated_problems import speeds_named
+from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values

@@ -1,44 +1,25 @@
-"""The problems y' = f(t, y) that a text states, as questions with the methods, step sizes and times that it gives."""
+"""The problems y' = f(t, y) that a text states, with their starts and energies."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import partial
-from itertools import chain, compress, pairwise, product
+from itertools import chain, pairwise
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.field_text import rate_of_text
-from driftproof.methods.multistep import Multistep
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
-from driftproof.texts.claims.places import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
-from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
-from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
-_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
-_USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
-_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^√]|\.[0-9])"
-_VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
-_LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
-_SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
-    rf"(?:(?<![\w/])(?:h|dt|Δt) ?[=∈≈]|(?:[Ss]tep ?sizes?(?: of)?|[Ss]teps of)(?: ?[=∈≈])?) ?[{{(]?({_LIST})"
-    r"(?! ?[*·√]| ?[^\W\d]_)"
-)
-# Words before the limit of a step size, as in stable up to h = 1.4.
-LIMIT = re.compile(
-    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
-    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
-)
-_TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
+# So many problems of a text are read, each with the values that it gives to a parameter.
+MOST_PROBLEMS = 4
+NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^√]|\.[0-9])"
+_ROOT = r"(?:√|sqrt ?)\(?[0-9]+(?:\.[0-9]+)?(?:/[0-9]+)?\)?"
+_VALUE = rf"-?(?:[0-9]+ ?[*·/]? ?)?(?:pi|{_ROOT})(?: ?/ ?[0-9]+)?|{NUMBER}"
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
@@ -62,14 +43,14 @@ _OTHER_DERIVATIVE = re.compile(rf"(?<!\w)(?:{_DOTTED})(?: ?\(t\))? ?= ?[^,;=\n]{
 # A sentence or a line ends, or a word follows that is no function.
 _ENDS_RATE = re.compile(rf"\n|[.;](?!\d)| (?!(?:{'|'.join(FUNCTIONS)})\b)(?=[a-z]{{2,}}\b(?!\())")
 _ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
-_ALONE = re.compile(rf"{_NUMBER}\s*(?:[,.;)]|and\b|$)")
+_ALONE = re.compile(rf"{NUMBER}\s*(?:[,.;)]|and\b|$)")
 # Characters after the last equation in which x = 1 without a time is a start.
 _NEAR = 150
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
 @dataclass(frozen=True)
-class _Problem:
+class StatedProblem:
     """Rates by the names of the unknowns, an energy if it is given, and the part of the text, from `at`, about them."""
 
     rates: dict[str, str]
@@ -94,7 +75,7 @@ class _Problem:
         """The unknowns whose start the text does not give."""
         return [name for i, name in enumerate(self.rates) if self._start(name, i) is None]
 
-    def going_on(self, other: _Problem) -> _Problem:
+    def going_on(self, other: StatedProblem) -> StatedProblem:
         """The problem with the part about the other one, too, if that is the next part of the text."""
         end = self.at + len(self.part)
         goes_on = other.at <= end < other.at + len(other.part)
@@ -122,27 +103,6 @@ def _start_of(spelled: str) -> str:
     return re.sub(r"([0-9]) ?(?=pi|sqrt)", r"\1*", _plain(spelled))
 
 
-def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[str]:
-    """Questions, with braces, about the problems that a text in canonical spelling states with their starts.
-
-    The methods, step sizes and times are those that the text names after the equations, the methods else those that it
-    names anywhere; `column_of` gives the head of the column of a number.
-    """
-    found, known = list[tuple[_Problem, str]](), dict[tuple[tuple[str, str], ...], str]()
-    for problem in _problems(text):
-        rates = tuple(problem.rates.items())
-        if rates not in known and len(known) == _MOST_PROBLEMS:
-            continue
-        # Where the equations stand again without a start, it is that of before.
-        if equations := (problem.equations or known.get(rates) if rates else None):
-            known[rates] = equations
-            found.append((problem, equations))
-        else:  # an equation in passing does not end what is said of the problem before it
-            found = [(one.going_on(problem), equations) for one, equations in found]
-    asked = (_questions(*one, text, column_of) for one in found)
-    return list(dict.fromkeys(chain(*asked, _stability_questions(text, column_of))))
-
-
 def speeds_named(text: str, name: str) -> list[str]:
     """The other names of the derivative of an unknown, as omega where the text says omega = theta'."""
     return re.findall(
@@ -161,19 +121,13 @@ def unread_equation(text: str) -> tuple[int, str, str] | None:
                 _meant(word, unknowns, with_greek_spelled(text))
             except LookupError:
                 return start, text[start:end].strip(), f"{word} is given no value"
-    for problem in _problems(text):
+    for problem in stated_problems(text):
         for name in problem.without_start:
-            return problem.at, f"{name}'={problem.rates[name]}", f"no start is given, such as {name}(0) = 1"
+            of = next((f"{other}'" for other, rate in problem.rates.items() if rate == name), name)
+            at = next(_EQUATION.finditer(text, problem.at)).start()
+            return at, f"{of}'={problem.rates[name]}", f"no start is read, such as {of}(0) = 1"
     other = _OTHER_DERIVATIVE.search(text)
     return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
-
-
-def _stability_questions(text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
-    """What stability functions are at the arguments that a text gives, also in columns."""
-    rows = [x.text for x in numbers_in(text) if re.fullmatch(_NUMBER, x.text) and is_head_of("z", column_of(x))]
-    arguments = list(dict.fromkeys((*SETTING["z"].findall(text.lower()), *rows)))[:_MOST_ARGUMENTS]
-    if arguments and (methods := [key for key in METHODS if key in methods_named(text.lower())]):
-        yield f"stability_function {{{','.join(methods[:_MOST_METHODS])}}} z={{{','.join(arguments)}}}"
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
@@ -195,7 +149,7 @@ def parameters_in(text: str) -> set[str]:
     return letters - {match[kind] for match in found for kind in ("name", "d", "dd")} - {"t", "e"}
 
 
-def _problems(text: str) -> Iterator[_Problem]:
+def stated_problems(text: str) -> Iterator[StatedProblem]:
     """The systems of equations of the text, each with the text from a little before it to the next one.
 
     One that is not understood has no rates.
@@ -206,7 +160,9 @@ def _problems(text: str) -> Iterator[_Problem]:
         if name == "t" or name in FUNCTIONS or lead is None:
             continue
         is_second = match["second"] or match["dd"]
-        if systems and not is_second and {name, f"d{name}"} & {*systems[-1][1]} and _ALONE.match(match["rate"]):
+        base = re.sub("_?[0-9]$", "", name)  # theta_1', the slope after a step
+        others = chain(*(of for _, of, _ in (systems if base != name else systems[-1:])))
+        if not is_second and {base, f"d{base}"}.intersection(others) and _ALONE.match(match["rate"]):
             continue  # x' = 0, a slope or the velocity at the start of x'' = F(x)
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
         if not (systems and near and name not in systems[-1][1]):
@@ -238,9 +194,9 @@ def _problems(text: str) -> Iterator[_Problem]:
             if len(rates) == len(raw) and None not in over.values() and rates not in known:
                 known.append(rates)
                 energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*names}), None)
-                yield _Problem(rates, part[begins:], begins, energy)
+                yield StatedProblem(rates, part[begins:], begins, energy)
         if not known:
-            yield _Problem({}, part[begins:], begins)
+            yield StatedProblem({}, part[begins:], begins)
 
 
 def _lead(text: str, at: int) -> str | None:
@@ -258,106 +214,14 @@ def _lead(text: str, at: int) -> str | None:
 def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
     """The values but the first that the text gives to words of the rates, as "k = 3; ", to stand before the text."""
     for word in dict.fromkeys(word for rate in raw.values() for word in _WORD.findall(rate)):
-        values = re.findall(rf"(?<![\w'(/*^]){re.escape(word)} ?= ?({_NUMBER})", text)
-        yield from (f"{word} = {value}; " for value in [*dict.fromkeys(values)][1:_MOST_PROBLEMS])
-
-
-def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
-    part, at = with_greek_spelled(problem.part), problem.at
-    value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
-    sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, COUNT_GIVEN, value_at))
-    times += also
-    said, rows, counts_of_runs = counts_of_steps(part), set[int](), [*counts]
-    counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
-    for number in numbers_in(text[at : at + len(problem.part)]):
-        head = column_of(replace(number, start=number.start + at, end=number.end + at))
-        for letter, into in (("h", sizes), ("t", times), ("n", counts_of_runs)):
-            if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
-                into.append(Fraction(number.text))
-                rows |= {int(number.text)} if letter == "n" and number.text.isdigit() else set()
-    sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
-    counts, of_steps = counts + counts_of_runs, {1, 2} <= rows  # numbers of steps, not of runs
-    if (counts_of_runs and not of_steps and len(times) <= _MOST_ENDS) or not sizes:
-        sizes = sorted({*sizes, *(t / n for t in times for n in (counts_of_runs or counts) if n)})
-    times = times or sorted({n * h for n in counts for h in sizes})
-    after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
-    after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
-    with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
-    after |= {1} if with_slopes else set()
-    after |= rows - {0} if of_steps else set()
-    times = sorted({*times, *(n * h for n in after for h in sizes)})
-    multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
-    known = multistep | {*METHODS}
-    spoken = methods_named(part.lower()) & known or methods_named(text.lower()) & known
-    if "explicit" in text.lower() and "implicit" not in text.lower():
-        spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
-    chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
-    many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
-    named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
-    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
-    if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
-        yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
-    errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
-    read = [*problem.rates, *errors]
-    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
-    read += ["relative_error"] * ("%" in part or "relative" in part)
-    read += ["evaluations"] * bool(re.search("evaluation|calls", part))
-    runs = list[tuple[Fraction, list[Fraction]]]()
-    for h in sizes[::-1][:_MOST_SIZES] if named else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and many * t / h <= left]
-        if fitting := fitting[-_MOST_TIMES:]:
-            left -= many * fitting[-1] / h
-            runs.append((h, fitting))
-            ends = ",".join(map(_shown, fitting))
-            for methods in named:
-                yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
-                if problem.energy:
-                    conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                    yield f"run {methods} {conserved} : {{energy,energy_change}}"
-                    yield f"abs(run {methods} {conserved} : energy_change)"
-            if chosen and with_slopes:
-                slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
-                yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
-    of_ratios = [
-        bool(re.search(words, part.lower()))
-        for words in ("factor|ratio|times as|divides|fall by", rf"{OBSERVED}|\| ?{ORDER_OF_COLUMN} ?\|")
-    ]
-    for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
-        ends = ",".join(_shown(t) for t in fitting if t in also)
-        for methods, error in product(named if ends else (), errors):
-            both = [f"h={x}, t={{{ends}}} : {error}" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
-            ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
-            order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
-            yield from compress((ratio, order), of_ratios)
-
-
-def _starters(part: str) -> list[str]:
-    """What the text says that first values of a multistep method come from, else all that is usual."""
-    sentences = " ".join(STARTING.findall(part.lower()))
-    said = [key for key in METHODS if key in methods_named(sentences)]
-    return [*said[:_MOST_STARTERS], *["exact"] * ("exact" in sentences)] or [*_USUAL_STARTERS]
-
-
-def _shown(x: Fraction) -> str:
-    """A decimal that is the number, if it is short, else a fraction."""
-    return f"{float(x):g}" if Fraction(f"{float(x):g}") == x else str(x)
-
-
-def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
-    """The numbers of the matches; no limits of step sizes."""
-    chosen = (
-        x
-        for x in pattern.finditer(text)
-        if pattern is not _SIZES or not LIMIT.search(text[max(0, x.start() - _GAP) : x.start()])
-    )
-    lists = ("".join(group or "" for group in match.groups()) for match in chosen)
-    return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
+        values = re.findall(rf"(?<![\w'(/*^]){re.escape(word)} ?= ?({NUMBER})", text)
+        yield from (f"{word} = {value}; " for value in [*dict.fromkeys(values)][1:MOST_PROBLEMS])
 
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
     raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw))  # y(t)
-    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", text):
+    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({NUMBER})", text):
         raw = raw.replace(ratio, value)
     raw = re.sub(rf"(\^[0-9]+) (?=(?:{'|'.join(names)})\b)", r"\1*", _plain(raw))  # L^2 dtheta^2
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
@@ -387,7 +251,7 @@ def _meant(word: str, names: list[str], text: str) -> str:
         return word
     # Not the end of a sum, as in m x'' + kx = 0.
     said = rf"{re.escape(word)} ?= ?(?:[A-Za-z ]{{1,9}}= ?)?"  # also as in tau = RC = 0.2
-    found = re.search(rf"(?<![\w'(/*^])(?<![-+*/] ){said}(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
+    found = re.search(rf"(?<![\w'(/*^])(?<![-+*/] ){said}(?:({NUMBER})|([^=,;]{{1,100}}))", text)
     if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):

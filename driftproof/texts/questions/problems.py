@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from driftproof.enclosure.evaluations import Evaluation
+from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.exact_runs import exact_step
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_values
 from driftproof.enclosure.implicit_runs import implicit_step
@@ -67,7 +67,19 @@ class ProblemRun:
         return self.h * self.steps
 
     def numerical(self) -> list[_Row]:
-        """Enclosures of the states of the exact run, the start first, in balls of the current precision."""
+        """Enclosures of the states of the exact run, the start first; in as many bits as f needs, if it has a value."""
+        bits = ctx.prec
+        while True:
+            try:
+                with ctx.workprec(bits):
+                    return self._run()
+            except Refused:  # wide balls may hold a pole of f
+                if bits >= _MOST_BITS_OF_SOLUTION:
+                    raise
+                bits *= 2
+
+    def _run(self) -> list[_Row]:
+        """The states of the exact run, in balls of the current precision."""
         assert self.method is not None
         found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
         if isinstance(self.method, StartedMultistep):
@@ -284,7 +296,9 @@ def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
 
 
 def _distance(a: _Row, b: _Row) -> arb:
-    return sum(((x - y) ** 2 for x, y in zip(a, b, strict=True)), arb(0)).nonnegative_part().sqrt()
+    # Balls that hold 0 have no power in python-flint.
+    differences = [x - y for x, y in zip(a, b, strict=True)]
+    return sum((d * d for d in differences), arb(0)).nonnegative_part().sqrt()
 
 
 def _enclosed(x: CertifiableReal) -> Answer:

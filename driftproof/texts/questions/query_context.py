@@ -72,7 +72,7 @@ class QueryContext:
 
     def _of_one_step(self, subject: Method | Family | FactsOnly) -> Method:
         from driftproof.methods.families import Family
-        from driftproof.methods.tableau_file import method_of
+        from driftproof.methods.given_methods import method_of
 
         if isinstance(subject, Family):
             reason = f"{subject.key} is a family of methods; choose one with at and a value of {subject.parameter}"
@@ -83,8 +83,8 @@ class QueryContext:
     def method_of_run(self) -> Method | StartedMultistep:
         """The method that a run names, with what it is started with if it is a multistep one. Raises QuestionError."""
         from driftproof.enclosure.multistep_runs import StartedMultistep
+        from driftproof.methods.given_methods import method_of
         from driftproof.methods.multistep import Multistep
-        from driftproof.methods.tableau_file import method_of
 
         found, started = self.subject(), self.query.started
         if not isinstance(found, Multistep):
@@ -103,7 +103,7 @@ class QueryContext:
         """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
         from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import Family
-        from driftproof.methods.tableau_file import subject_of
+        from driftproof.methods.given_methods import subject_of
 
         token, at = self.query.subject, self.query.at
         if token is None:

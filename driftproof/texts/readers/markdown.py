@@ -61,6 +61,8 @@ _SHIELDED = re.compile(f"[{chr(_FIRST_SHIELD)}-{chr(_FIRST_SHIELD + ord('~'))}]"
 
 # The first run is possessive: with backtracking, the lookahead would take n² steps for n marks.
 _DELIMITER_ROW = re.compile(r"^[ \t>]*+\|?(?=[^\n]*\|)[ \t]*:?-{2,}[-:| \t]*$\n?", re.MULTILINE)
+# The mark of a footnote in a text, and before the footnote itself.
+_FOOTNOTE = re.compile(r"\[\^[^\]\s]{1,100}\](?::(?=[ \t]))?")
 _DEFINITION = re.compile(r"^ {0,3}\[[^\]\n]{1,200}\]:[ \t]+\S+[^\n]*$", re.MULTILINE)
 _LINE_MARK = re.compile(r"^[ \t]*(?:>[ \t]?)*(?:#{1,6}[ \t]+|[-*+][ \t]+)?", re.MULTILINE)
 _ESCAPED = re.compile(r"\\([!-/:-@\[-`{-~])")
@@ -118,7 +120,7 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
 def markdown_prose(text: SourceText) -> SourceText:
     """A piece of Markdown without fences, its markup removed."""
     text = _code_and_mathematics_shielded(text.removed(_TARGET))
-    text = text.removed(_DELIMITER_ROW).removed(_DEFINITION).removed(_LINE_MARK)
+    text = text.removed(_DELIMITER_ROW).removed(_FOOTNOTE).removed(_DEFINITION).removed(_LINE_MARK)
     text = text.rewritten(_ESCAPED, lambda match: [_shield(match[1])]).removed(_ADDRESS)
     for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # twice, as the text of a link may be a link or a picture
         text = text.rewritten(pattern, lambda match: [match.span("b" if match["a"] is None else "a")])

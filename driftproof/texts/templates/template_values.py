@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn, TypeAlias
 
+from driftproof.methods.given_methods import subject_of
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.tableau_file import subject_of
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError

@@ -22,7 +22,7 @@ family | kind
 parameter | free parameter
 source | source
 stages | stages
-reduction | reducible: which facts are of the table, which of the method
+reduction | reducible: which stages count
 steps | steps
 rho | rho: coefficients of the values y
 sigma | sigma: coefficients of the slopes F(y)
@@ -94,6 +94,8 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     labels, parts = _PLAIN | _OF_MULTISTEP if "rho" in facts else _PLAIN, []
     for heading, group in groups.items():
         named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value, facts)}
+        if not everything and (which := named.get(labels["reduction"])) is not None:
+            named[labels["reduction"]] = f"{which.irreducible_stages} of them; which facts that concerns: --all"
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     further = f"{len(rest)} more facts with --all, any one with --only NAME; in Python in .json(), and as .NAME"
     parts += [_under("Everything else", rest) if everything else further]

@@ -99,9 +99,11 @@ class _Text:
         return str(record(value))
 
     def scalar(self, value: Fraction | Algebraic | Infinity | Formula) -> str:
-        """A number or a formula; a long number with its decimal, a very long one by its decimal alone."""
+        """A number or a formula; a long number, or one by a root without radicals, with its decimal; or that alone."""
         if isinstance(value, Formula) and len(value.text) > LONGEST_FORMULA:
             return self.function(value.function) if value.function else f"a formula of {len(value.text)} characters"
+        if isinstance(value, Algebraic) and not value.is_rational and value.field.name.isidentifier():
+            return self.radicals(self.form(value), significant(value, COEFFICIENT_DIGITS))
         if not is_long(value):
             return self.form(value)
         exact, digits = record(value).values()

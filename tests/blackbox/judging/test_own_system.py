@@ -351,6 +351,11 @@ def test_a_place_where_bodies_nearly_touch_does_not_hide_the_system(late, passed
     assert verify(step, "velocity_verlet", examples=20, isolate=False).passed is passed
 
 
+def test_a_damping_that_is_small_beside_a_stiff_spring_is_part_of_the_system():
+    found = verify(on(lambda t, x, v: (v, -1e6 * x - 10 * v)), "rk4", examples=30, isolate=False)
+    assert "is rk4 on its own system (q' = v, v' = -1e+06 q - 10 v)" in found.verdict
+
+
 def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
     step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
     assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict

@@ -194,3 +194,14 @@ def in_steps_of_h(ending):
         return times, states
 
     return solve
+
+
+def refusing(refused, words):
+    """A solver that gives up at once, and says so, where `refused(t_span, y0, rtol)`."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        if refused(t_span, y0, rtol):
+            return Answer(np.array(t_span[:1]), np.array([y0]), False, words)
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+    return solve

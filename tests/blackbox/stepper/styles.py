@@ -11,12 +11,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
+from driftproof.blackbox.families.reports import read_family
+from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.matching.match import matched
 from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
 from tests.looping import exactly
 
 PAGE = Path(__file__).parents[3] / "docs" / "steppers.md"
@@ -69,3 +73,19 @@ def keys_of(step: Callable[..., Any]) -> tuple[str, ...]:
         return tuple(matched(read_coefficients(subject)).keys)
     best = linear_fit(subject).best
     return () if best is None else tuple(best.methods)
+
+
+def pasted(names: dict[str, Any], name: str) -> str:
+    """What the refusal of what has this name says; its wrapper is pasted, and is then `wrapped` among the names."""
+    with pytest.raises(BadInput, match="write: ") as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    return str(caught.value)
+
+
+def is_read_as(step: Callable[..., Any], key: str) -> bool:
+    """True if a stepper is this method by its coefficients, its one-step matrix, or its steps from earlier ones."""
+    if key in METHODS:
+        return key in keys_of(step)
+    family = read_family(opened(step))
+    return family is not None and family.key == key

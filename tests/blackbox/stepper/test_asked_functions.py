@@ -6,7 +6,6 @@ from functools import reduce
 
 import pytest
 
-from driftproof import identify
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper.styles import keys_of, namespace
@@ -90,49 +89,3 @@ def test_a_wrapper_that_makes_no_step_is_not_shown_to_be_written_and_why_is_said
     names = namespace("class Strict:\n    def __init__(self, f): self.f = f\n    def step(self, t, y, h): y.units")
     with pytest.raises(BadInput, match=r"of your own that calls it; tried: .* has no attribute 'units'"):
         opened(names["Strict"])
-
-
-MADE = """
-class OfSystem:
-    def __init__(self, system): self.system = system
-    def integrate(self, state, t, dt):
-        d = self.system.derivatives
-        return state + dt * d(state + dt / 2 * d(state, t), t + dt / 2)
-
-class Buffered:
-    def __init__(self, n): self.k = np.empty((2, n))
-    def step(self, f, t, y, h):
-        self.k[0] = f(t, y)
-        self.k[1] = f(t + h / 2, y + h / 2 * self.k[0])
-        return y + h * self.k[1]
-
-class Bashforth:
-    def __init__(self, f): self.f = f
-    def set_initial_condition(self, u0): self.u0 = np.asarray(u0, float)
-    def solve(self, times):
-        u = [self.u0]
-        for k, t in enumerate(times[:-1]):
-            h = times[k + 1] - t
-            first = self.f(t, u[k])
-            middle = self.f(t + h / 2, u[k] + h / 2 * first)
-            u.append(u[k] + h * (1.5 * first - self.f(times[k - 1], u[k - 1]) / 2 if k else middle))
-        return np.array(u), times
-"""
-
-
-@pytest.mark.parametrize(("name", "key"), [("OfSystem", "midpoint2"), ("Buffered", "midpoint2")])
-def test_a_class_is_given_the_object_and_the_size_that_it_needs(name, key):
-    names = namespace(MADE)
-    with pytest.raises(BadInput) as caught:
-        opened(names[name])
-    exec(str(caught.value).partition("write: ")[2], names)
-    assert key in keys_of(names["wrapped"])
-    assert not opened(names["wrapped"]).single
-
-
-def test_a_class_whose_run_over_times_remembers_is_shown_a_run_of_n_steps():
-    names = namespace(MADE)
-    with pytest.raises(BadInput) as caught:
-        opened(names["Bashforth"])
-    exec(str(caught.value).partition("write: ")[2], names)
-    assert "adams_bashforth2" in identify(names["wrapped"], isolate=False).verdict

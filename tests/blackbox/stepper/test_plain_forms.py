@@ -330,28 +330,6 @@ def test_coordinates_one_by_one_are_told_apart(step, passed, words):
     assert words in found.verdict
 
 
-def infections(s, i, r, beta, gamma, dt, last=2):
-    """Heun's method of three numbers, each an argument of its own."""
-    rate = lambda s, i, r: (-beta * s * i, beta * s * i - gamma * i, gamma * i)
-    first = rate(s, i, r)
-    second = rate(s + dt * first[0], i + dt * first[1], r + dt * first[2])
-    rates = (second[0], second[1], second[last])
-    return tuple(x + dt / 2 * (a + b) for x, a, b in zip((s, i, r), first, rates, strict=True))
-
-
-def orbit(x, y, vx, vy, dt, stale=False):
-    """Velocity Verlet in the plane, one coordinate after the other."""
-    cube = (x * x + y * y) ** 1.5
-    vx, vy = vx - dt / 2 * x / cube, vy - dt / 2 * y / cube
-    x, y = x + dt * vx, y + dt * vy
-    cube = cube if stale else (x * x + y * y) ** 1.5
-    return x, y, vx - dt / 2 * x / cube, vy - dt / 2 * y / cube
-
-
-def driven_by_time(x, y, z, t, dt, late=0.0):
-    return x + dt * (y + np.cos(t + late * dt)), y - dt * x * z, z + dt * t
-
-
 def in_work_arrays(neq, t, dt, y, func, k1, k2, ytmp, half=0.5):
     """Heun's method in arrays that it is given; it returns a status."""
     func(neq, t, y, k1)
@@ -382,19 +360,16 @@ def carried_force(pos, vel, F, dt, stale=False):
     return pos, vel - dt / 2 * (before if stale else pos), -pos
 
 
-@pytest.mark.slow(keep=2)
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("step", "method", "words", "wrong"),
     [
-        (infections, "heun2", "on its own system (one of 3 numbers)", {"last": 0}),
-        (orbit, "velocity_verlet", "on its own system (one of 4 numbers)", {"stale": True}),
-        (driven_by_time, "forward_euler", "on its own system (one of 3 numbers)", {"late": 1.0}),
         (in_work_arrays, "heun2", "to roundoff", {"half": 0.4}),
         (carried, "velocity_verlet", "on its own system (one of 18 numbers)", {"stale": True}),
         (carried_force, "velocity_verlet", "on q'' = -q to roundoff", {"stale": True}),
     ],
     ids=lambda x: getattr(x, "__name__", ""),
 )
-def test_numbers_one_by_one_work_arrays_and_carried_slopes_are_read_and_their_mistakes_fail(step, method, words, wrong):
+def test_work_arrays_and_carried_slopes_are_read_and_their_mistakes_fail(step, method, words, wrong):
     assert f"is {method} {words}" in verify(step, method, examples=30, isolate=False).verdict
     assert verify(partial(step, **wrong), method, examples=30, isolate=False).passed is False

@@ -18,7 +18,7 @@ from driftproof.numeric.work_precision.verdicts import Priced, dominators
 from driftproof.reports import user_problem
 from driftproof.reports.work_precision import report
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
-from driftproof.symbolic.facts import stated_orders
+from driftproof.symbolic.claimed_orders import stated_orders
 from tests.looping import some
 from tests.reports.studies import study, unheard
 

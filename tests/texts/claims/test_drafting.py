@@ -203,7 +203,11 @@ def test_a_property_with_a_number_beside_it_is_a_claim_that_can_be_checked():
         ("y' = -k y, y(0) = 1: Heun has y(1) = 0.36855.", "y' = -k y is not read as a problem: k is given no value"),
         (
             "y' = -2y, h = 0.1: Heun has y = 0.36855 at t = 1.",
-            "y'=-2y is not read as a problem: no start is given, such as",
+            "y'=-2y is not read as a problem: no start is read, such as",
+        ),
+        (
+            "x'' = -x, x(0) = 1: RK4 has x(1) = 0.54031.",
+            "x''=-x is not read as a problem: no start is read, such as x'(0)",
         ),
         (
             "Dx = -2 x, x(0) = 1: Heun has x(1) = 0.36855.",

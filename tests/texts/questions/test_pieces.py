@@ -6,8 +6,8 @@ import pytest
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.methods.families import FAMILIES
+from driftproof.methods.given_methods import subject_of
 from driftproof.methods.names import also_known_as
-from driftproof.methods.tableau_file import subject_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.questions.parser import parse_question

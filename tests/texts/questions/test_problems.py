@@ -5,6 +5,7 @@ import sys
 from fractions import Fraction as Q
 from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -159,12 +160,23 @@ def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers():
     assert value("run gauss2 rates=(t*y0) from 1 h=1/4 t=1 : y0").evidence == "CERTIFIED"
 
 
-def test_largest_error_is_that_of_the_worst_step():
-    run = "rates=(-y0) from 1 h=1/8"
+@pytest.mark.parametrize("start", [1, 1 / 3])
+def test_largest_error_is_that_of_the_worst_step(start):
+    run = f"rates=(-y0) from {Q(start).limit_denominator(9)} h=1/8"
     errors = [float(value(f"run forward_euler {run} N={n} : state_error").digits(12)) for n in range(1, 17)]
     largest = float(value(f"run forward_euler {run} N=16 : largest_error").digits(12))
     assert largest == max(errors) > 2 * errors[0]
-    assert largest == pytest.approx(max(abs((7 / 8) ** n - math.exp(-n / 8)) for n in range(17)), rel=1e-11)
+    assert largest == pytest.approx(start * max(abs((7 / 8) ** n - math.exp(-n / 8)) for n in range(17)), rel=1e-11)
+
+
+def test_a_run_whose_balls_grow_over_a_pole_is_made_in_more_bits():
+    """Each step is y -> 4 y (1 - y), y = sin^2 of an angle that doubles; balls of 64 bits reach 0 in some 64 steps."""
+    found = value("run forward_euler rates=(3*y0^2/y0 - 4*y0^2) from 1/3 h=1 80 steps : y0")
+    with mpmath.workdps(60):
+        y = mpmath.sin(2**80 * mpmath.asin(mpmath.sqrt(mpmath.mpf(1) / 3))) ** 2
+    assert found.digits(12) == mpmath.nstr(y, 12)
+    with pytest.raises(QuestionError, match="may be 0"):
+        value("run forward_euler rates=(-y0/(2*y0*y0^(1/2))) from 1/4 h=1/2 80 steps : y0").digits(3)
 
 
 def test_start_of_the_question_goes_before_that_of_the_problem():

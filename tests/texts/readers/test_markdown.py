@@ -10,6 +10,7 @@ READ = [
     ("$\\frac{337}{384}$ and $$h^{-2}$$, \\$5 and 3$", "337/384 and h^{-2}, $5 and 3$"),
     ("| a | b |\n|:--|--:|\n| 1 | 2 |\n\n[r]: http://x/8\n> quoted\n- 5", "| a | b |\n| 1 | 2 |\nquoted\n5"),
     ("0 < h < 2, a<b", "0 < h < 2, a<b"),
+    ("It is 3.[^1] So[^two]\n\n[^1]: At 4 it is 5.\n[^two]: 6\n\n[r^7]: u/8", "It is 3. So\nAt 4 it is 5.\n6"),
     (
         "```{list-table} T 3\n:header-rows: 1\n\n* - h\n  - y\n* - 0.1\n  - -2\n* -\n  - 4\n```",
         "T 3\n| h | y\n| 0.1 | -2\n| | 4",

@@ -7,7 +7,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import parse_system
 from driftproof.methods.families import FAMILIES
-from driftproof.methods.number_field import square_root
+from driftproof.methods.number_field import NumberField, square_root
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
@@ -29,6 +29,7 @@ def eigenvalue(key, text, i=0):
     return SystemFacts(METHODS[key], parse_system(text)).bounds[i]
 
 
+TURNED = NumberField("r", (-1, -3, 0, 1), Q(1), Q(2))  # 2 cos(pi/9)
 EVERYWHERE = Interval(None, None, False, False)
 ENDS = "(11167507641/1000000000, 5583753821/500000000)"
 RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
@@ -37,6 +38,7 @@ WRITTEN = [
     (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
     (Q(-1, 120), "-1/120", r"$-\frac{1}{120}$"),
     (1 - square_root(2) / 2, "1 - 1/2*sqrt(2)", r"$1-\frac{\sqrt{2}}{2}$"),
+    (TURNED.generator**2 - 1, "-1 + r**2 = 2.5320888862379561", "$-1+r^{2}$"),
     (INFINITY, "oo", r"$\infty$"), ([], "none", "none"),
     ((Q(0), Q(1, 2)), "[0, 1/2]", r"[$0$, $\frac{1}{2}$]"),
     (RK4.imaginary_limit, "2*sqrt(2) = 2.828427124746190097603377448419", r"$2 \sqrt{2} \approx 2.82842712$"),

@@ -1,0 +1,141 @@
+"""Steps whose state shows by its values, as plain functions of it: it is what a very short step returns as it was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper import calling_conventions as calling
+from driftproof.blackbox.stepper.array_adapters import Foreign
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+
+# A step so short that nearly nothing moves, and one in which the system does.
+_SHORT, _LONG = 2.0**-10, 0.25
+# A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
+_MOST_BESIDE_ONE = 2
+# Where arrays may hold cells that move each other, as in a wave, they have so many.
+_CELLS = 4
+# An array that is a state may hold so many numbers.
+_NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A step that takes and returns the numbers of its state one by one; these are its first arguments, by `names`.
+
+    They are known not by their names, but because a very short step returns them. What it takes besides, as a rate, is
+    1. A step of one number is tried on each of several. Each may be an array of `cells` that move each other.
+    """
+
+    step: Callable[..., Any]
+    names: tuple[str, ...]
+    others: tuple[str, ...]
+    size: str
+    times: tuple[str, ...]
+    cells: int = 1
+
+    @classmethod
+    def of(cls, step: Callable[..., Any]) -> Numbers | None:
+        """The numbers of a step; None if it is not one of numbers.
+
+        >>> Numbers.of(lambda m, p, dt: (m - dt * p, p + dt * m)).names
+        ('m', 'p')
+        """
+        known, size, times = _names_of(step)
+        start = [1 / (i + 2) for i in range(len(known))]
+        if not size:
+            return None
+        no_state = calling.matrices(known) or calling.launch(known)
+        least = 1 if len(known) <= 1 + _MOST_BESIDE_ONE and not no_state else 2
+        with suppress(Exception):
+            end = np.atleast_1d(np.array(cls(step, known, (), size, times)._called(start, 0.0, _SHORT**2), float))
+            if least <= end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
+                return cls(step, known[: end.size], known[end.size :], size, times)._of_cells()
+        return None
+
+    def _of_cells(self) -> Numbers:
+        """Itself, or with arrays of cells if a change of the first of these is seen in others."""
+        cells = _CELLS - (len(self.names) >= _CELLS)
+        with suppress(Exception):
+            start = 1 / np.arange(2.0, 2 + len(self.names) * cells).reshape(len(self.names), cells)
+            other = start * np.where(np.arange(cells) == 0, 0.5, 1.0)
+            ends, others = (np.array(self._called(y, 0.0, _LONG)).reshape(start.shape) for y in (start, other))
+            if np.any(ends[:, 1:] != others[:, 1:]):
+                return replace(self, cells=cells)
+        return self
+
+    def _called(self, y: Foreign, t: float, h: float) -> Foreign:
+        given = dict(zip(self.names, y, strict=True)) | dict.fromkeys(self.others, 1.0)
+        return self.step(**given | {self.size: h} | dict.fromkeys(self.times, t))
+
+    @property
+    def form(self) -> Callable[..., Any]:
+        """The step(y, h) of an array, with t before h if it takes a time."""
+
+        def moved(y: Sequence[float], t: float, h: float) -> Foreign:
+            if self.cells > 1:
+                rows: Any = np.reshape(y, (len(self.names), self.cells))
+                return np.ravel(self._called(rows, t, h)).astype(float)
+            if len(self.names) == 1:
+                return np.array([float(self._called([x], t, h)) for x in y])
+            return np.array(self._called([*y], t, h), dtype=float)
+
+        return _read_as(moved if self.times else lambda y, h: moved(y, 0.0, h), self.step, self.names)
+
+
+def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h) of one whose first argument is an array that a very short step leaves nearly as it was.
+
+    What it takes besides, as a control, is 1.
+    """
+    known, size, times = _names_of(step)
+    if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
+        return
+    others = dict.fromkeys(known[1:], 1.0)
+
+    def called(y: Foreign, t: float, h: float) -> Foreign:
+        moved = copy(y)
+        answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | others)
+        return moved if answer is None else answer
+
+    for count in _NUMBERS_OF_AN_ARRAY:
+        with suppress(Exception):
+            start = np.array([1 / (i + 2) for i in range(count)])
+            near, far = (called(start, 0.0, h) for h in (_SHORT**2, _LONG))
+            if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
+                yield _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known[:1])
+                return
+
+
+def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
+    """The form of a step that returns, by their values, more of its arguments than those that names make its state.
+
+    Only a step that takes something besides a state is tried, as a copy, so that a step does not notice it.
+    """
+    doubtful = found.kind in (calling.MAGNETIC, calling.ROTATION) or (found.kind == calling.MAP and found.extra)
+    if not doubtful or (own := fresh_copy(step)) is None or (numbers := Numbers.of(own)) is None:
+        return None
+    roles = (calling.POSITION, calling.VELOCITY, calling.STATE)
+    states = {name for role, name in found.named(step) if role in roles}
+    return replace(numbers, step=step).form if states < {*numbers.names} else None
+
+
+def _read_as(form: Any, step: Callable[..., Any], names: Sequence[str]) -> Callable[..., Any]:
+    """The form of a step with the names of its state, which reports then use."""
+    *_, size, times = _names_of(step)
+    form.state_names = tuple(names) if len(names) > 1 else tuple(f"{names[0]}[{i}]" for i in range(2))
+    form.reading = calling.reading_of({"the state": names, "the time": times, "the step size": [size]}, step)
+    return form  # type: ignore[no-any-return]
+
+
+def _names_of(step: Callable[..., Any]) -> tuple[tuple[str, ...], str, tuple[str, ...]]:
+    """The names of a step's arguments besides the step size and the times, then these; T beside dt is a state."""
+    names = calling.names_with_step(step) or []
+    times = tuple(each for each in names if each != "T" and calling.role_of(each, (calling.TIME,)))
+    size = calling.size_name(names)
+    return tuple(each for each in names if each not in (size, *times)), size, times

@@ -1,0 +1,230 @@
+"""Wrappers of objects that keep their state, ready to paste: by `stepper_of`, as runs, as steps of their numbers."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from copy import copy, deepcopy
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper import wrapper_parts as common
+from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
+from driftproof.blackbox.stepper.calling_conventions import (
+    BODY_LISTS,
+    FIELD,
+    FORCE,
+    MAP,
+    POSITION,
+    STATE,
+    STEP,
+    TIME,
+    UNIT_PARAMETERS,
+    VELOCITY,
+    has_gradient,
+    names_with_step,
+    required_names,
+    role_of,
+    word_of,
+)
+from driftproof.blackbox.stepper.class_wrappers import (
+    PUSHED,
+    attribute_of,
+    attributes_of,
+    function_argument,
+    public_methods,
+    put_wrapper,
+)
+
+# The usual names of a method that makes a step, and of one that is given a force.
+ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
+_PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
+# What stands for the wrapper's arguments where an object is made.
+_AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
+# A step so short that a number moves by its rate, to this part.
+_SHORT, _NEAR = 2.0**-20, 2.0**-6
+
+
+def kept_state_wrapper(cls: type, made: Any, advance: str) -> str:
+    """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
+    pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
+    line = "" if pushed else put_wrapper(cls, made, advance)
+    if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
+        return line
+    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+
+
+def making(cls: type, kind: str, made: Any = None) -> str:
+    """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
+
+    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
+    those of some start for a state.
+    """
+    names, name = required_names(cls) or [], common.name_of(cls)
+    taken = common.function_of(kind) * bool(function_argument(cls))
+    if len(names) == bool(taken) and not has_gradient(names):
+        return name
+    kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
+    given = {each: _AT_REST.get(text, text) for each, text in common.arguments_by_role(names, kind).items()}
+    given |= {each: "1.0" for each in names if each not in given and word_of(each) in UNIT_PARAMETERS}
+    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
+    return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
+
+
+def _two_positions_wrapper(cls: type, advance: str) -> str:
+    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
+
+    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
+    """
+    with suppress(Exception):
+        names, function = required_names(cls) or [], function_argument(cls)
+        kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
+        before = next(each for each in kept if common.is_before(each))
+        q = next(each for each in kept if role_of(each, (POSITION,)))
+        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
+            return ""
+        vector = type(kept[q]).__name__ if hasattr(kept[q], "x") and hasattr(kept[q], "y") else ""
+        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else (".x" * bool(vector), "")
+        put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
+        force = f"lambda p, *rest: {put(f'force(p{first})')}"
+        start = ", ".join(force if each == function else "0.0" for each in names)
+        begin = f"made = {common.name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
+        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
+        push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
+        if not (push or function):
+            return ""
+        pushed = "" if function else f"{push}force(made.{q}{first})), "
+        later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
+        return common.run_of_steps(
+            common.HEADS[FORCE],
+            f"{common.BEFORE}, q",
+            later,
+            begin,
+            found=common.WITH_SPEEDS.format("ys[1:]", "ys[2:]"),
+        )
+    return ""
+
+
+def _state_wrapper(cls: type, made: Any, advance: str) -> str:
+    """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
+    q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
+    moved, pair = _moved_numbers(made, advance)
+    q, v = _pushed_pair(made, advance) or (q, v) if q and v else pair or (q, v)
+    built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
+    if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
+        return _numbers_wrapper(cls, made, advance, moved)
+    if not (q and v) and (not state or common.takes_force([function_argument(cls)])):
+        return ""
+    where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
+    if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
+        of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
+        where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
+    if function_argument(cls) and not (q and v):
+        where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
+    make = making(cls, FORCE if q and v else FIELD, made)
+    act, size = f'"{advance}"', attribute_of(made, STEP)
+    taken = ["h" if common.plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
+    if size and "h" not in taken:
+        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
+    elif "0.0" in taken:
+        act = f"lambda made, h: made.{advance}({', '.join(taken)})"
+    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
+
+
+def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
+    """The step of an object, made anew, whose system is built in, of the numbers that its step moves."""
+    taken, size = _taken_by(made, advance), attribute_of(made, STEP)
+    call = ", ".join("h" if common.plain_role(each) == STEP else "0.0" for each in taken)
+    put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
+    places = ", ".join(f"made.{each}" for each in moved)
+    makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
+    puts = f"made = {makes}; {put}[{places}] = y; made.{advance}({call})"
+    return f"def wrapped(y, h): import numpy; {puts}; return numpy.array([{places}])"
+
+
+def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] | None]:
+    """The numbers and arrays of an object, but its time, that a short step moves; and the first that another one moves.
+
+    That other one is its velocity.
+    """
+    with suppress(Exception):
+        moved = deepcopy(made)
+        known = {each: x for each, x in attributes_of(moved).items() if isinstance(x, float | np.ndarray)}
+        for i, (each, x) in enumerate(known.items()):
+            setattr(moved, each, _SHORT if common.plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
+        before = {each: copy(getattr(moved, each)) for each in known}
+        getattr(moved, advance)(
+            *[_SHORT if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
+        )
+        rates = {
+            each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if common.plain_role(each) != TIME
+        }
+        rates = {each: rate for each, rate in rates.items() if np.any(rate)}
+        others = product(rates.items(), before.items())
+        pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
+        near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
+        return [*rates], next(iter(near or pairs * (len(pairs) == 1)), None)  # the only one, though it moves it wrongly
+    return [], None
+
+
+def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
+    """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
+    with suppress(Exception):
+        moved, kept = deepcopy(made), attributes_of(made)
+        getattr(moved, advance)(
+            *[0.25 if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
+        )
+        pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
+        return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
+    return None
+
+
+def _taken_by(made: Any, advance: str) -> list[str]:
+    """What a method takes besides its object, with a step size that has a default."""
+    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
+
+
+def world_wrapper(cls: type) -> str:
+    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
+
+    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
+    """
+    held = next(iter(required_names(cls) or []), "")
+    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
+    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
+        with suppress(Exception):
+            ones = [1.0] * len(required_names(body) or [])
+            world, made = cls([body(*ones)]), body(*ones)
+            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
+            upright = push and hasattr(made, "y") and hasattr(made, "vy")
+            q, v = ("y", "vy") if upright else (attribute_of(made, POSITION), attribute_of(made, VELOCITY))
+            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
+                continue
+            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
+            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
+            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
+            options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
+            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
+    return ""
+
+
+def further_names(cls: type, advance: str) -> list[str]:
+    """What a method of a class needs besides its object and the step size."""
+    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if common.plain_role(each) != STEP]
+
+
+def advance_of(cls: type) -> str:
+    """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
+    alone = [each for each in public_methods(cls) if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    alone = [each for each in alone if any(word in each for word in ADVANCES)] or alone
+    return next((each for each in ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
+
+
+def kept_wrapper(kept: Sequence[str], advance: Any) -> str:
+    """What to write in a call of `stepper_of` to set what an object keeps from its last step, with words to replace."""
+    puts = ", ".join(f"setattr(made, '{name}', {name.upper()}_AT_ITS_STATE)" for name in kept)
+    act = f"made.{advance}(h)" if isinstance(advance, str) else "ADVANCE(made, h)"
+    return f"; write advance=lambda made, h: ({puts}, {act}) in the call of stepper_of"

@@ -1,0 +1,162 @@
+"""What every wrapper is made of: arguments by role, the call of the code by their names, and runs of several steps."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper.calling_conventions import (
+    CARRIED,
+    COUNTS,
+    FIELD,
+    FORCE,
+    FUNCTION,
+    MAP,
+    MASSES,
+    MOMENTA,
+    POSITION,
+    ROLES,
+    RUN_ENDS,
+    STARTS,
+    STATE,
+    STEP,
+    TIME,
+    UNIT_PARAMETERS,
+    VELOCITY,
+    has_gradient,
+    launch,
+    matrices,
+    parameters_of,
+    role_of,
+    size_name,
+    word_of,
+)
+
+# The arguments of a wrapper by role, and all of them for a wrapper of each kind.
+ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
+HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
+_BEFORE = re.compile("prev|old|last|before|nm1")
+# The statements that stand before the one with a call.
+_BEFOREHAND = re.compile(r"^(def wrapped\(.*?\): )(.*?)‹(.*?)›")
+# The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
+TRIAL_ARGUMENTS: dict[str, Any] = {
+    **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
+    **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "ys[-2]": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
+    **dict.fromkeys(("y", "[q, v]"), np.array([1.0, 0.5])),
+    **dict.fromkeys(("[t, t + h]", "[0.0, h]"), np.array([0.0, 0.25])),
+}
+_PARAMETERS = ("args", "params", "parameters", "kwargs")
+# Of a method for q'' = F(q) that takes two positions: the position before, and the pairs, with velocities of order 1.
+BEFORE, WITH_SPEEDS = "q - h * v + h**2 / 2 * force(q)", "{0}, [v, *((b - a) / h for a, b in zip({0}, {1}))]"
+# The step of second order that stands in for the first steps of a method that takes earlier states.
+FIRST_STEP, FIRST_STEP_UNTIMED = "y + h * f(t + h / 2, y + h / 2 * f(t, y))", "y + h * f(y + h / 2 * f(y))"
+
+
+def stated_first(line: str) -> str:
+    """The wrapper with the statements that a call needs before the one with the call."""
+    return _BEFOREHAND.sub(r"\1\3; \2", line)
+
+
+def plain_role(name: str) -> str | None:
+    """The role of an argument by its name."""
+    return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
+
+
+def kind_by_names(names: Iterable[str]) -> str:
+    """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
+    names = [*names]
+    roles = {plain_role(each) for each in names if each not in matrices(names)}
+    return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
+
+
+def takes_force(names: Iterable[str]) -> bool:
+    """True if one of these is the name of a force or an acceleration."""
+    return any(word in each.lower() for each in names for word in ("acc", "force"))
+
+
+def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
+    """The wrapper's argument for each name whose role is known; a single state of a map is [q, v]."""
+    given: dict[str, str] = {}
+    if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
+        given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
+    sized, no_roles = size_name(names), (*matrices(names), *launch(names))
+    carried = ROLES[CARRIED]  # of a and force, the latter is the function
+    asked = (each for each in names if role_of(each, (FUNCTION,)))
+    slopes = sorted(asked, key=lambda x: carried.index(word_of(x)) if word_of(x) in carried else len(carried))[:-1]
+    no_roles += tuple(each for each in slopes if role_of(each, (CARRIED,)))
+    for each in (name for name in names if name not in (*given, *no_roles)):
+        wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
+        roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
+        if kind != FIELD and "q" in given.values() and STATE in roles:
+            roles.remove(STATE)
+        if kind == FORCE and FUNCTION in roles and any("force" in text for text in given.values()):
+            roles.remove(FUNCTION)
+        role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
+        if role is not None:
+            function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
+            given[each] = function if role == FUNCTION else ARGUMENTS[role]
+    open_names = [each for each in names if each not in given]
+    if kind == FIELD:
+        ambiguous = ("a", "b", "alpha") if "h" in given.values() else ()  # are the ends and the start of a run
+        for text, words in (("y", STARTS), ("t", RUN_ENDS[0]), ("t + h", RUN_ENDS[1]), ("1", COUNTS)):
+            known = {*words} - {*ambiguous} if text != "1" or "h" not in given.values() else set()
+            if text not in given.values():
+                given |= {each: text for each in open_names if each not in given and word_of(each) in known}
+    given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
+    if kind == FORCE and any("force" in text for text in given.values()):
+        given |= {each: "force(q)" for each in open_names if role_of(each, (CARRIED,))}
+    if kind != FIELD:
+        given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
+    if kind == MAP and not {"q", "v"} <= {*given.values()}:
+        speeds = [each for each in given if given[each] == "v" and word_of(each) not in MOMENTA]  # are no state
+        given = {each: "[q, v]" if x in ("q", "v", "y") else x for each, x in given.items() if each not in speeds}
+    if kind != FIELD:
+        given = {each: "0.0" if text == "t" else text for each, text in given.items()}
+    return {each: given[each] for each in names if each in given}
+
+
+def is_before(name: str) -> bool:
+    """True if it is the name of a state or a slope before the present one."""
+    return bool(_BEFORE.search(name.lower()))
+
+
+def function_of(kind: str) -> str:
+    """The name that a wrapper of this kind has for the function that it is given."""
+    return "f" if kind == FIELD else "force"
+
+
+def name_of(step: Callable[..., Any]) -> str:
+    """The name by which a wrapper calls the code."""
+    name = str(getattr(step, "__qualname__", type(step).__name__)).rpartition("<locals>.")[2]
+    if inspect.ismethod(step) and not inspect.isclass(step.__self__):
+        name = f"made.{step.__name__}"
+    return name if all(part.isidentifier() for part in name.split(".")) else "step"
+
+
+def call_by_names(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
+    """The call with what is given for each name, by place if that is the names' own order.
+
+    What stands for a call of several statements is `written` by itself, those before the call between ‹ and ›.
+    """
+    if hasattr(step, "written"):
+        return str(step.written(*(given[each] for each in names)))
+    by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
+    passed = [f"{'' if by_place else f'{each}='}{given[each]}" for each in names]
+    plain = ".py_func" if hasattr(step, "py_func") and not {"f", "force"}.isdisjoint(given.values()) else ""
+    return f"{name_of(step)}{plain}({', '.join(passed)})"  # compiled code calls no function of Python
+
+
+def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
+    """What step i of a run is given in place of the start."""
+    of_last = {"t": "t + i * h", "y": "ys[-1]", "[q, v]": "ys[-1]"} | of_last
+    return {each: of_last.get(text, text) for each, text in given.items()}
+
+
+def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int = 0, found: str = "ys") -> str:
+    """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
+    steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
+    return f"def wrapped({head}, n): {begin}ys = [{states}]; {steps}; return {found}"

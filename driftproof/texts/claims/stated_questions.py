@@ -1,0 +1,159 @@
+"""Questions about the problems that a text states, with the methods, step sizes and times that it gives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from itertools import chain, compress, pairwise, product
+
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.multistep import Multistep
+from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
+from driftproof.texts.claims.places import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
+from driftproof.texts.questions.pieces import with_greek_spelled
+from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
+
+# Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
+_MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 8, 8, 24, 30_000
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
+_USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
+_LIST = rf"{NUMBER}(?:(?:,? (?:and |or )?|,){NUMBER})*"
+_SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
+    rf"(?:(?<![\w/])(?:h|dt|Δt) ?[=∈≈]|(?:[Ss]tep ?sizes?(?: of)?|[Ss]teps of)(?: ?[=∈≈])?) ?[{{(]?({_LIST})"
+    r"(?! ?[*·√]| ?[^\W\d]_)"
+)
+# Words before the limit of a step size, as in stable up to h = 1.4.
+LIMIT = re.compile(
+    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
+    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
+)
+_TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
+# Characters before a step size in which a word may make it a limit.
+_BEFORE = 80
+
+
+def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[str]:
+    """Questions, with braces, about the problems that a text in canonical spelling states with their starts.
+
+    The methods, step sizes and times are those that the text names after the equations, the methods else those that it
+    names anywhere; `column_of` gives the head of the column of a number.
+    """
+    found, known = list[tuple[StatedProblem, str]](), dict[tuple[tuple[str, str], ...], str]()
+    for problem in stated_problems(text):
+        rates = tuple(problem.rates.items())
+        if rates not in known and len(known) == MOST_PROBLEMS:
+            continue
+        # Where the equations stand again without a start, it is that of before.
+        if equations := (problem.equations or known.get(rates) if rates else None):
+            known[rates] = equations
+            found.append((problem, equations))
+        else:  # an equation in passing does not end what is said of the problem before it
+            found = [(one.going_on(problem), equations) for one, equations in found]
+    asked = (_questions(*one, text, column_of) for one in found)
+    return list(dict.fromkeys(chain(*asked, _stability_questions(text, column_of))))
+
+
+def _stability_questions(text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
+    """What stability functions are at the arguments that a text gives, also in columns."""
+    rows = [x.text for x in numbers_in(text) if re.fullmatch(NUMBER, x.text) and is_head_of("z", column_of(x))]
+    arguments = list(dict.fromkeys((*SETTING["z"].findall(text.lower()), *rows)))[:_MOST_ARGUMENTS]
+    if arguments and (methods := [key for key in METHODS if key in methods_named(text.lower())]):
+        yield f"stability_function {{{','.join(methods[:_MOST_METHODS])}}} z={{{','.join(arguments)}}}"
+
+
+def _questions(
+    problem: StatedProblem, equations: str, text: str, column_of: Callable[[TextNumber], str]
+) -> Iterator[str]:
+    part, at = with_greek_spelled(problem.part), problem.at
+    value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({NUMBER})\)")
+    sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, COUNT_GIVEN, value_at))
+    times += also
+    said, rows, counts_of_runs = counts_of_steps(part), set[int](), [*counts]
+    counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
+    for number in numbers_in(text[at : at + len(problem.part)]):
+        head = column_of(replace(number, start=number.start + at, end=number.end + at))
+        for letter, into in (("h", sizes), ("t", times), ("n", counts_of_runs)):
+            if is_head_of(letter, head) and re.fullmatch(NUMBER, number.text):
+                into.append(Fraction(number.text))
+                rows |= {int(number.text)} if letter == "n" and number.text.isdigit() else set()
+    sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
+    counts, of_steps = counts + counts_of_runs, {1, 2} <= rows  # numbers of steps, not of runs
+    if (counts_of_runs and not of_steps and len(times) <= _MOST_ENDS) or not sizes:
+        sizes = sorted({*sizes, *(t / n for t in times for n in (counts_of_runs or counts) if n)})
+    times = times or sorted({n * h for n in counts for h in sizes})
+    after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
+    after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
+    with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
+    after |= {1} if with_slopes else set()
+    after |= rows - {0} if of_steps else set()
+    times = sorted({*times, *(n * h for n in after for h in sizes)})
+    multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
+    known = multistep | {*METHODS}
+    spoken = methods_named(part.lower()) & known or methods_named(text.lower()) & known
+    if "explicit" in text.lower() and "implicit" not in text.lower():
+        spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
+    chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
+    many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
+    named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
+    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
+    if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
+        yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
+    errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    read = [*problem.rates, *errors]
+    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    read += ["relative_error"] * ("%" in part or "relative" in part)
+    read += ["evaluations"] * bool(re.search("evaluation|calls", part))
+    runs = list[tuple[Fraction, list[Fraction]]]()
+    for h in sizes[::-1][:_MOST_SIZES] if named else ():
+        fitting = [t for t in times if (t / h).denominator == 1 and many * t / h <= left]
+        if fitting := fitting[-_MOST_TIMES:]:
+            left -= many * fitting[-1] / h
+            runs.append((h, fitting))
+            ends = ",".join(map(_shown, fitting))
+            for methods in named:
+                yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
+                if problem.energy:
+                    conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
+                    yield f"run {methods} {conserved} : {{energy,energy_change}}"
+                    yield f"abs(run {methods} {conserved} : energy_change)"
+            if chosen and with_slopes:
+                slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
+                yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
+    of_ratios = [
+        bool(re.search(words, part.lower()))
+        for words in ("factor|ratio|times as|divides|fall by", rf"{OBSERVED}|\| ?{ORDER_OF_COLUMN} ?\|")
+    ]
+    for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
+        ends = ",".join(_shown(t) for t in fitting if t in also)
+        for methods, error in product(named if ends else (), errors):
+            both = [f"h={x}, t={{{ends}}} : {error}" for x in (f"{{{_shown(h)}}}", _shown(shorter))]
+            ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
+            order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
+            yield from compress((ratio, order), of_ratios)
+
+
+def _starters(part: str) -> list[str]:
+    """What the text says that first values of a multistep method come from, else all that is usual."""
+    sentences = " ".join(STARTING.findall(part.lower()))
+    said = [key for key in METHODS if key in methods_named(sentences)]
+    return [*said[:_MOST_STARTERS], *["exact"] * ("exact" in sentences)] or [*_USUAL_STARTERS]
+
+
+def _shown(x: Fraction) -> str:
+    """A decimal that is the number, if it is short, else a fraction."""
+    return f"{float(x):g}" if Fraction(f"{float(x):g}") == x else str(x)
+
+
+def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
+    """The numbers of the matches; no limits of step sizes."""
+    chosen = (
+        x
+        for x in pattern.finditer(text)
+        if pattern is not _SIZES or not LIMIT.search(text[max(0, x.start() - _BEFORE) : x.start()])
+    )
+    lists = ("".join(group or "" for group in match.groups()) for match in chosen)
+    return [Fraction(x) for one in lists for x in re.findall(NUMBER, one) if len(x) < 20]
