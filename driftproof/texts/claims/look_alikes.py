@@ -234,13 +234,13 @@ class LookAlikes:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
             if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
+            if place.quantity in COMPARED and "h" not in place.near:
+                place = replace(place, **self._runs_beside(number))
             if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
                 step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
                 kept = {x: given for x, given in place.settings.items() if x != "h"}
                 own = {"h": step} if step else {}
                 place = replace(place, settings=kept | own, near=place.near | own.keys())
-            if place.quantity in COMPARED and "h" not in place.settings:
-                place = replace(place, **self._runs_beside(number))
             rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
             if rows_of_steps and place.quantity == "observed_order":
                 place = replace(place, of_row=(self._run_of_row(number),))
@@ -260,7 +260,8 @@ class LookAlikes:
             place = self._named_at(x)
             place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
             if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
-                return {"settings": self._named_at(number).settings | {"h": max(above)}, "of_row": (0,)}
+                own = self._named_at(number)
+                return {"settings": own.settings | {"h": max(above)}, "near": own.near | {"h"}, "of_row": (0,)}
         return {}
 
     def _run_of_row(self, number: TextNumber) -> int:

@@ -26,8 +26,9 @@ _NEAR = Fraction(1, 100)
 _TIME = re.compile(r"\bt=[^\s,:]+")
 _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
-    "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
+    "|".join(rf"(?<={what} )\S+" for what in (r"\brun", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
+_METHOD_AND_START = re.compile(rf"(?:{_METHOD.pattern})(?: started=\S+)?")
 _EQUATIONS = re.compile(r"\w+'=.*?(?=, (?:energy=|h=|t=))")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
@@ -113,8 +114,9 @@ class Suggestions(LookAlikes):
                 of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
                 of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
                 found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
-            elif not found and digits > 2:
-                found = self._misplaced(number, first, digits)
+            elif not found:
+                in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
+                found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
@@ -147,7 +149,12 @@ class Suggestions(LookAlikes):
         return set.intersection(*kinds) if number in column and kinds[1:] else set()
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
-        """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""
+        """The one value that the place names, if the number is near to it, or has another h or t, or unknown there.
+
+        Numbers of less than three digits are none.
+        """
+        if digits < 3:
+            return {}
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
@@ -198,24 +205,24 @@ class Suggestions(LookAlikes):
             alike = [x for x in beside if abs(x.start - number.start) < BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
         held = self._held(beside)
-        for other in ("", _METHOD) if column else (_READOUT, _METHOD):
+        for other in ("", _METHOD_AND_START) if column else (_READOUT, _METHOD_AND_START):
             kind = {x: re.sub(other, "", without_sizes(x) if column else x) for x in (*held, *named)}
             kinds, least = Counter(kind[x] for x in held), max(2, len(beside) // 2) if column else 1
             found = {x: y for x, y in named.items() if kinds[kind[x]] >= least}
             found = {x: y for x, y in found.items() if exact or not x.startswith("exact ")}
-            if other is _METHOD and not column:
+            if other is _METHOD_AND_START and not column:
                 found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
             if found:
                 return found
         if not column:
             return {}
         across = [x for x in self._row_mates(number) if self._place_of(x).quantity != "chosen"]
-        kinds = Counter(_METHOD.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
+        kinds = Counter(_METHOD_AND_START.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
         own, most = {without_sizes(x) for x in held}, (len(beside) + len(across)) / 2
         return {
             x: y
             for x, y in named.items()
-            if without_sizes(x) in own and kinds[_METHOD.sub("", without_sizes(x))] >= max(3, most)
+            if without_sizes(x) in own and kinds[_METHOD_AND_START.sub("", without_sizes(x))] >= max(3, most)
         }
 
     def _held(self, numbers: Iterable[TextNumber]) -> list[str]:
