@@ -43,7 +43,8 @@ from driftproof.texts.values.published import published_values
 _NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
-# A step size or a time in a question.
+# A decimal of a program, and a step size or a time in a question.
+_DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 
 
@@ -249,9 +250,10 @@ class LookAlikes:
 
     def _sizes_of_program(self, number: TextNumber) -> set[Fraction]:
         """The step sizes of the text that stand in the program that has printed the number, if any has."""
-        programs = (program for program, (start, end) in self._printed if start <= number.start < end)
-        given = {one.value for program in programs for one in numbers_in(program) if "." in one.text}
-        return given & {*chain(*(asked_settings(known.question)["h"] for known in self.values.known if known.stated))}
+        programs = [program for program, (start, end) in self._printed if start <= number.start < end]
+        given = {Fraction(x) for program in programs for x in _DECIMAL.findall(program)}
+        known = (each.question for each in self.values.known if each.stated and given)
+        return given.intersection(*[chain.from_iterable(asked_settings(one)["h"] for one in known)])
 
     def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
         """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""

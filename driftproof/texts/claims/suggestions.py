@@ -89,9 +89,11 @@ class Suggestions(LookAlikes):
             sizes = len({first[question] for question in meant & first.keys()})
             right = any(one.question in self._stated_values for one in alike)
             other_sign, *others = slips(spelled(number))
+            here, beside = self._place_of(number), self._methods_beside(number)
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
-                    if self._is_of_other(known, number) or len(digits_of(slip)) < 2:
+                    of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
+                    if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
@@ -122,12 +124,6 @@ class Suggestions(LookAlikes):
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
-
-    def _is_of_other(self, known: KnownValue, number: TextNumber) -> bool:
-        """True if the row or sentence of the number names another method, step size, time or quantity."""
-        place, named = self._place_of(number), self._methods_beside(number)
-        foreign = known.keys and named and known.keys.isdisjoint(named)
-        return foreign or place.denies(known.question) or (known.rank < 2 and place.is_of_another(known.question))
 
     def _methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""
@@ -214,25 +210,17 @@ class Suggestions(LookAlikes):
                 found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
             if found:
                 return found
-        if not column:
-            return {}
-        across = [x for x in self._row_mates(number) if self._place_of(x).quantity != "chosen"]
+        row = self.tables.row_of(number)
+        across = [x for x in self._numbers if row and row[0].start <= x.start < row[-1].end and x != number]
+        across = [x for x in across if self._place_of(x).quantity != "chosen"]
         kinds = Counter(_METHOD_AND_START.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
-        own, most = {without_sizes(x) for x in held}, (len(beside) + len(across)) / 2
-        return {
-            x: y
-            for x, y in named.items()
-            if without_sizes(x) in own and kinds[_METHOD_AND_START.sub("", without_sizes(x))] >= max(3, most)
-        }
+        own, fewest = {without_sizes(x) for x in held}, max(3, (len(beside) + len(across)) / 2)
+        sure = {x: without_sizes(x) for x in named if row and without_sizes(x) in own}
+        return {x: named[x] for x, run in sure.items() if kinds[_METHOD_AND_START.sub("", run)] >= fewest}
 
     def _held(self, numbers: Iterable[TextNumber]) -> list[str]:
         """The questions of those of the numbers that are claims."""
         return [ones[0].question for x in numbers if (ones := self.look_alikes(x)) and ones[0].strong]
-
-    def _row_mates(self, number: TextNumber) -> Iterator[TextNumber]:
-        """The other numbers in the row of the number."""
-        row = self.tables.row_of(number)
-        return (x for x in self._numbers if row[0].start <= x.start < row[-1].end and x != number)
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
