@@ -93,6 +93,7 @@ _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]_0 ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
+_FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
@@ -256,6 +257,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
         )
         quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
+    if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
+        settings["t"], near = Fraction(0), near | {"t"}
     if (
         re.fullmatch(ORDER_OF_COLUMN, head)
         and "." in text[start:end]
@@ -329,10 +332,19 @@ def _settings(
         said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said
+        lines = map(pattern.findall, far.split("\n") if row and not head else ())
+        if not near[x] and any(len({*line}) > 1 for line in [*filter(None, lines)][-1:]):
+            continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
     counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
-    taken = counts * of_step if row else [] if near["t"] else counts_of_steps(before)[-1:]
+    taken = (
+        counts * of_step
+        if row
+        else []
+        if near["t"]
+        else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+    )
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
     elif counts and "t" in settings and not near["h"]:
