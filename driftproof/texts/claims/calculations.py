@@ -40,6 +40,7 @@ def calculations_in(text: str) -> list[Calculation]:
     for match in _CALCULATION.finditer(text):
         if len(match[0]) <= _LONGEST and _OPERATOR.search(match[0]) and not _LONGER.search(text[: match.start()][-8:]):
             question = re.sub("[·×]", "*", match[0]).replace("^", "**").replace("{", "(").replace("}", ")")
+            question = re.sub(r"(?<=[0-9)]) ?(?=√)", "*", question)
             question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", with_roots_spelled(question))
             with suppress(QuestionError):
                 found.append(Calculation(match.start(), match.start("result"), question, value(question)))

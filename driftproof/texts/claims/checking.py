@@ -12,8 +12,9 @@ from difflib import SequenceMatcher
 from fractions import Fraction
 from itertools import islice, product
 
+from driftproof.methods.catalogue import keys_of_name
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import lowered
+from driftproof.texts.claims.contradictions import lowered, starters_said
 from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import tables_of
@@ -73,6 +74,7 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
     text, tables = document.text.text, tables_of(document.text.text)
     lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
+    said_so = starters_said(text.lower())
     for one in checked:
         claim, findings = one.claim, list[Finding]()
         if claim.fact and (untrue := claim.untrue()):
@@ -80,6 +82,11 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
             findings += [
                 Finding(claim.id, *at, untrue, claim.fact[1], f"{untrue}, not {claim.fact[1]}") for at in places
             ]
+        starters = {key for x in claim.values.values() for key in re.findall(r" started=([^\s,:]+)", x.question or "")}
+        if said_so and starters and one.occurrences and not said_so.intersection(*map(keys_of_name, starters)):
+            names, own = ", ".join(sorted(said_so)), ", ".join(sorted(starters))
+            at = document.position(one.occurrences[0].start())
+            findings.append(Finding(claim.id, *at, own, names, f"the text says that {names} starts, not {own}"))
         for place, (method, name) in product(one.occurrences, zip(claim.methods, claim.phrase.names, strict=False)):
             start, end = place.span(name)
             row = tables.row_of(TextNumber(start, end, text[start:end], None))

@@ -37,6 +37,8 @@ _COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of
 _SYMBOL = re.compile(r"(?<!\w)(?:'')?([^\W\d_])(?:'')? ?= ?\Z")
 _SYMBOLS = {"order": "p", "stages": "s", "steps": "n", "evaluations": "n", "q": "qx", "v": "vp"}
 _SYMBOLS |= {"real_limit": "hzxλ", "imaginary_limit": "hzyωλ"}
+# A linear equation that oscillates, such as x'' = -x, or decays: whose limit is imaginary or real.
+_LINEAR = re.compile(r"(?<!\w)(?P<name>[^\W\d]\w*)'(?P<second>'?)(?:\(t\))? ?= ?-(?:[\w./^]+ ?[*·]? ?)?(?P=name)\b")
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
 _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
@@ -53,6 +55,7 @@ STARTING = re.compile(
     r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
     r"(?:(?!\.\s|;\s(?!we\b))[^|()]){0,100}"
 )
+_STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
 _NUMBER = (
@@ -103,9 +106,15 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool) ->
             return True
     key = min(methods_asked(question), default="")
     (own, other), (own_after, other_after) = (_methods(part, key) for part in (before, after))
+    if other and not own:  # of another method, unless its own follows before the next number
+        own_after = [at for at in own_after if not re.search(r"(?<![\w.])[0-9]|[,;]", after[:at])]
     other_method = bool(key) and _differs(own, other, before, () if asked else other_after, own_after)
     if asked or other_method:
         return other_method
+    if quantity in ("real_limit", "imaginary_limit") and not _words("real|imaginary", before + after):
+        said = [*_LINEAR.finditer(text, max(0, start - _LONGEST), start)][-1:]
+        if said and bool(said[0]["second"]) != (quantity == "imaginary_limit"):
+            return True
     other_setting = any(_gives_another_value(letter, head, before, after) for letter in "ht")
     return other_setting or _names_another_quantity(quantity, before, after)
 
@@ -235,6 +244,12 @@ def without_starters(text: str) -> str:
         return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
 
     return STARTING.sub(lambda clause: spoken_names().sub(blank, clause[0].replace("-", " ")), text)
+
+
+def starters_said(text: str) -> set[str]:
+    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
+    said = " ".join(clause for clause in STARTING.findall(text) if _STARTED.search(clause))
+    return {*METHODS} & methods_named(said) | ({"exact"} if "exact" in said else set[str]())
 
 
 def lowered(text: str, questions: Iterable[str]) -> str:

@@ -75,7 +75,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     be more claims than a file may have, and for a question without an answer.
     """
     text = document.text.text
-    suggestions, search = Suggestions(text, asked), PhraseSearch(text)
+    printed = [(one.program.text, document.span(one.printed)) for one in listings_in(document) if one.printed]
+    suggestions, search = Suggestions(text, asked, printed), PhraseSearch(text)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
     unlabelled, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
     members = [Member.of(number, suggestions, text, equations, letters) for number in unlabelled]
@@ -127,8 +128,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
     for why, those in suggestions.values.not_asked.items():
         drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
-    printed = [document.span(one.printed) for one in listings_in(document) if one.printed]
-    left = [x for x in members if not (x.strong or x.chosen) and any(a <= x.number.start < b for a, b in printed)]
+    left = [x for x in members if not (x.strong or x.chosen) and any(a <= x.number.start < b for _, (a, b) in printed)]
     if len(left) >= _FEWEST_PRINTED:
         said = f"{counted(len(left), 'number')} that listings print"
         drafted.append(

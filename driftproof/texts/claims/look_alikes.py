@@ -16,6 +16,7 @@ from typing import Any
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.calculations import Calculation, calculations_in
+from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.phrases import NumberForm
@@ -42,7 +43,8 @@ from driftproof.texts.values.published import published_values
 _NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
-# A step size or a time in a question.
+# A decimal of a program, and a step size or a time in a question.
+_DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 
 
@@ -62,10 +64,14 @@ class LookAlike:
 class LookAlikes:
     """The values that the numbers of one text look like."""
 
-    def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
-        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
+    def __init__(self, text: str, asked: Iterable[str] = (), printed: Iterable[tuple[str, Span]] = ()) -> None:
+        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has.
+
+        Programs have `printed` spans of the text.
+        """
         self.text, self.tables = text, tables_of(text)
         self.values = PossibleValues(text, stated_questions(text, self.tables.column_of), asked)
+        self._printed = [*printed]
         self._meant: dict[int, list[KnownValue]] = {}
         self._places, self._named = dict[int, Place](), dict[int, Place]()
         self._alike: dict[int, list[LookAlike]] = {}
@@ -83,11 +89,11 @@ class LookAlikes:
                 return []
             self._alike[number.start] = self._look_alikes(number, x)
             done = self.calculated.get(number.start)
-            if (
-                done
-                and not any(one.strong for one in self._alike[number.start])
-                and spelled(number) in printed(done, number)
-            ):
+            results = printed(done, number) if done else []
+            if done and results and "." not in done.question and spelled(number) not in results:
+                # Of whole numbers it gives that and nothing else.
+                self._alike[number.start] = [replace(one, strong=False) for one in self._alike[number.start]]
+            elif done and not any(one.strong for one in self._alike[number.start]) and spelled(number) in results:
                 self._alike[number.start].insert(0, LookAlike(done.question, form_of(number), strong=True))
         return self._alike[number.start]
 
@@ -105,6 +111,7 @@ class LookAlikes:
         of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         kinds = {without_sizes(each.question) for each in meant if each.stated}
+        compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
         for known in (each for each in possible if each.question in alike):
@@ -117,6 +124,8 @@ class LookAlikes:
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
+            if known.question == compared:
+                rivals, denied = runs, denied or not self._is_in_order(number, compared)
             other = without_sizes(known.question) in kinds and not place.has_step(known.question)
             elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
@@ -160,6 +169,28 @@ class LookAlikes:
                 return asked_quantity(first[0].question)[1] != unknown
         return unknown != ""
 
+    def _compared_at(self, number: TextNumber) -> tuple[str, int]:
+        """The one question that a ratio of errors is like whose two runs are not said, and of how many; "" for none."""
+        place = self._place_of(number)
+        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
+            return "", 0
+        known = (each for each in self.values.known if each.stated)
+        runs = {each.question for each in known if place.means(each.question, each.keys, any_runs=True)}
+        alike = [each.question for each in self.values.written_like(number) if each.question in runs]
+        return (alike[0], len(runs)) if len(alike) == 1 else ("", 0)
+
+    def _is_in_order(self, number: TextNumber, question: str) -> bool:
+        """True if the step sizes of the ratios of one kind in the sentence go down."""
+        h = asked_settings(question)["h"][0]
+        for x in self._numbers:
+            between = self.text[min(x.end, number.end) : max(x.start, number.start)]
+            if x != number and len(between) < BESIDE and not re.search(r"[.?!]\s", between):
+                other = self._compared_at(x)[0]
+                size = asked_settings(other)["h"][0] if _SIZE.sub("", other) == _SIZE.sub("", question) else h
+                if size != h and (size < h) == (x.start < number.start):
+                    return False
+        return True
+
     def methods_at(self, number: TextNumber) -> frozenset[str]:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
@@ -202,15 +233,38 @@ class LookAlikes:
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
-            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number)):
+            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
-            if table in self._steps and "h" not in place.near:
-                place = replace(place, settings=place.settings | {"h": self._steps[table]}, near=place.near | {"h"})
+            if place.quantity in COMPARED and "h" not in place.near:
+                place = replace(place, **self._runs_beside(number))
+            if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
+                step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
+                kept = {x: given for x, given in place.settings.items() if x != "h"}
+                own = {"h": step} if step else {}
+                place = replace(place, settings=kept | own, near=place.near | own.keys())
             rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
             if rows_of_steps and place.quantity == "observed_order":
                 place = replace(place, of_row=(self._run_of_row(number),))
             self._places[number.start] = place
         return self._places[number.start]
+
+    def _sizes_of_program(self, number: TextNumber) -> set[Fraction]:
+        """The step sizes of the text that stand in the program that has printed the number, if any has."""
+        programs = [program for program, (start, end) in self._printed if start <= number.start < end]
+        given = {Fraction(x) for program in programs for x in _DECIMAL.findall(program)}
+        known = (each.question for each in self.values.known if each.stated and given)
+        return given.intersection(*[chain.from_iterable(asked_settings(one)["h"] for one in known)])
+
+    def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
+        """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""
+        above = {Fraction(x) for cell in self.tables.row_of(number) for x in SETTING["h"].findall(cell.head)}
+        for x in self._company[self.tables.column_place(number)] if len(above) == 2 else ():
+            place = self._named_at(x)
+            place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
+            if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
+                own = self._named_at(number)
+                return {"settings": own.settings | {"h": max(above)}, "near": own.near | {"h"}, "of_row": (0,)}
+        return {}
 
     def _run_of_row(self, number: TextNumber) -> int:
         """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
@@ -232,7 +286,7 @@ class LookAlikes:
     @cached_property
     def _quantities(self) -> dict[int, str]:
         """What a table gives whose heads do not say it, by where it begins."""
-        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x)))
+        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x), self._unknowns))
 
     @cached_property
     def _steps(self) -> dict[int, Fraction]:
@@ -247,6 +301,8 @@ class LookAlikes:
         found = dict[int, Any]()
         for table, numbers in tables.items():
             said = [self._said_by(x, what) for x in numbers]
+            if what == "h" and (own := {*map(Fraction, SETTING["h"].findall(self.tables.section_of(table).lower()))}):
+                said = [sizes & own for sizes in said]
             tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
             most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
             if count >= max(3, of / 2):

@@ -90,8 +90,10 @@ class PhraseSearch:
         if "|" in text[line:start]:
             above = text.rfind("\n", 0, max(0, line - 1)) + 1
             heads = text[above:line]
-            is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
             labelled = least <= line and start - line < _LONGEST_LABEL
+            if not re.search(r"\w", heads):  # |- on a page of a wiki
+                return line if labelled else max(first, line)
+            is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
             return max(least, above) if is_first else min(first, line) if labelled else first
         begins, named = start, set[str]()
         for word in reversed(words[-_MOST_WORDS:]):

@@ -90,8 +90,10 @@ _FACTS = {
     "order": r"(?:order|p\Z)\b",
 }
 _AT_START = re.compile(
-    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b[^.;,]{0,30}\Z|[a-z]_0 ?[=≈] ?\Z"
+    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
+    r"[a-z]_0 ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
+_FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
@@ -100,7 +102,7 @@ _SHORT_NAMES["kutta"] = "kutta's third-order method"
 # The slopes of a step before the next one of their list, as in "the slopes are 0.34, 0.38 and".
 _SLOPES = re.compile(r"\bslopes\b(?:(?!\.\s)[^;:]){0,80}?(?:\bare|:) ?((?:[-+]?[0-9.]+(?:, ?(?:and )?| and ))*)\Z")
 # Words for methods that were named before.
-_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|they|both)\b")
+_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|(?:the|these) (?:last )?ratios|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
@@ -155,10 +157,15 @@ class Place:
         asked = asked_settings(question)["h"]
         return not asked or self.settings.get("h") in (None, *asked)
 
-    def means(self, question: str, methods: set[str]) -> bool:
-        """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
+    def means(self, question: str, methods: set[str], any_runs: bool = False) -> bool:
+        """True if a question about one of these methods asks for what is named here, and all that it asks for is.
+
+        Which two runs it compares need not be said for `any_runs`.
+        """
         quantity, unknown = asked_quantity(question)
         for x, given in asked_settings(question).items():
+            if any_runs and x == "h" and x not in self.settings and quantity in COMPARED:
+                continue
             compared = [given[i] for i in self.of_row if given[i:]]
             if given and self.settings.get(x) not in (compared if quantity in COMPARED else given[:1]):
                 return False
@@ -210,13 +217,16 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about = head if row else before
-    if leaves_quantity(head):
+    if not row and re.match(r"\s*(?:and |while )?th(?:at|ose) of\b", before):  # of what the clauses before are of
+        about = re.split(r"[.?!]\s", text[max(0, start - _NEAR) : start])[-1]
+    if leaves_quantity(head, unknowns):
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
     said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
-    label = _QUANTITY.match(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
-    quantity, name = said[-1].lastgroup if said else label.lastgroup if label else "state" if head else None, None
+    label = _QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
+    told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
+    quantity, name = told.lastgroup if told else "state" if head else None, None
     of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
@@ -233,7 +243,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 name = f"{name}_{n}"
             elif n and "h" in settings:
                 settings["t"], sure = int(n) * settings["h"], True
-    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(head) if not said else _OF_UNKNOWN.search(about)):
+    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(_without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
     elif not row and (listed := _SLOPES.search(before)):
         quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
@@ -247,6 +257,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
         )
         quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
+    if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
+        settings["t"], near = Fraction(0), near | {"t"}
     if (
         re.fullmatch(ORDER_OF_COLUMN, head)
         and "." in text[start:end]
@@ -289,7 +301,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
     """The method of a number in "the methods have orders 2 and 1", if the paragraph so far names as many methods."""
     said = _METHODS_BEFORE.search(before)
-    names = names_in_order(text[-_NEAR:].rpartition("\n\n")[2]) if said and not methods_named(before) else []
+    names = names_in_order(re.split(r"\n\n|\|", text[-_NEAR:])[-1]) if said and not methods_named(before) else []
     return methods_said_of(" and ".join(names) + before[said.end() :], after) if said and names[1:] else set()
 
 
@@ -320,10 +332,19 @@ def _settings(
         said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said
+        lines = map(pattern.findall, far.split("\n") if row and not head else ())
+        if not near[x] and any(len({*line}) > 1 for line in [*filter(None, lines)][-1:]):
+            continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
     counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
-    taken = counts * of_step if row else [] if near["t"] else counts_of_steps(before)[-1:]
+    taken = (
+        counts * of_step
+        if row
+        else []
+        if near["t"]
+        else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+    )
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
     elif counts and "t" in settings and not near["h"]:
@@ -356,10 +377,16 @@ def fact_said(before: str, after: str, own: frozenset[str]) -> tuple[str, frozen
     return ("order", frozenset(methods_named(found[1]))) if found and only else None
 
 
-def leaves_quantity(head: str) -> bool:
-    """True if the head of a column names a method or a step size, so that what is read stands above the table."""
+def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
+    """True if the head of a column names a method or a step size only, so that what is read stands above the table."""
     named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
-    return bool(named) and not _QUANTITY.search(head)
+    of_unknown = _HEAD_OF_UNKNOWN.fullmatch(_without_methods(head))
+    return bool(named) and not _QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
+
+
+def _without_methods(head: str) -> str:
+    """The head without the name of a method, as Euler's y is y."""
+    return re.sub(r"\A's? ?", "", spoken_names().sub("", head).strip())
 
 
 def is_head_of(settings: str, head: str) -> bool:

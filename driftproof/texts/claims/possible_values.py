@@ -16,7 +16,7 @@ from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, lowered, methods_named
+from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named, sentence_around
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.spellings import form_of, spelled
@@ -89,7 +89,10 @@ class PossibleValues:
         if self._unanswered and not asked:
             raise next(iter(self._unanswered.values()))
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
+        spoken = methods_named(self.lower)
         for question, chosen in stated.items():
+            if (keys := methods_asked(question)) and keys.isdisjoint(spoken):
+                continue  # of a name that means several methods, one that is named in full nearby
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
                 asked.append(KnownValue(question, self.limited(question, EFFORT), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
@@ -98,9 +101,13 @@ class PossibleValues:
         return [*found, *asked, *shares]
 
     def _usual_questions(self) -> Iterator[str]:
-        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
-        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
-        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
+        found = ([x for x in SETTING[letter].findall(self.text) if len(x) < 20] for letter in "ht")
+        own, given = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
+        counts = dict[int, set[Fraction]]()  # and the step sizes that their sentences give
+        for count in COUNT_OF_STEPS.finditer(self.text):
+            said = [SETTING["h"].findall(part) for part in sentence_around(self.text, *count.span())]
+            counts.setdefault(int(count[1]), set()).update(map(Fraction, said[0][-1:] or said[1][:1]))
+        of_sizes = [(n, sizes) for n, sizes in counts.items() if n][:_MOST_COUNTS]
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self.lower)
@@ -112,7 +119,7 @@ class PossibleValues:
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
+                ends = {Fraction(n): f"N={n}" for n, of in of_sizes if h in own and (not of or Fraction(h) in of)}
                 ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
                 for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit
+from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.places import COMPARED, asked_quantity
@@ -26,8 +26,9 @@ _NEAR = Fraction(1, 100)
 _TIME = re.compile(r"\bt=[^\s,:]+")
 _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
-    "|".join(rf"(?<={what} )\S+" for what in ("^run", "^order", "^angle", "^stages", "_limit", "_constant"))
+    "|".join(rf"(?<={what} )\S+" for what in (r"\brun", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
+_METHOD_AND_START = re.compile(rf"(?:{_METHOD.pattern})(?: started=\S+)?")
 _EQUATIONS = re.compile(r"\w+'=.*?(?=, (?:energy=|h=|t=))")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
@@ -88,9 +89,11 @@ class Suggestions(LookAlikes):
             sizes = len({first[question] for question in meant & first.keys()})
             right = any(one.question in self._stated_values for one in alike)
             other_sign, *others = slips(spelled(number))
+            here, beside = self._place_of(number), self._methods_beside(number)
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
-                    if known.rank < 2 and self._place_of(number).is_of_another(known.question):
+                    of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
+                    if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
                     if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
@@ -113,13 +116,20 @@ class Suggestions(LookAlikes):
                 of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
                 of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
                 found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
-            elif not found and digits > 2:
-                found = self._misplaced(number, first, digits)
+            elif not found:
+                in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
+                found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _methods_beside(self, number: TextNumber) -> set[str]:
+        """The methods that the row and the head of the number, or its sentence, name."""
+        row = self.tables.row_of(number)
+        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
+        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
         """The values of a problem, but for step sizes and times, that all of the number's column look like.
@@ -135,7 +145,12 @@ class Suggestions(LookAlikes):
         return set.intersection(*kinds) if number in column and kinds[1:] else set()
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
-        """The one value that the place names, if the number is near to it, or has another h or t, or unknown there."""
+        """The one value that the place names, if the number is near to it, or has another h or t, or unknown there.
+
+        Numbers of less than three digits are none.
+        """
+        if digits < 3:
+            return {}
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
@@ -152,7 +167,8 @@ class Suggestions(LookAlikes):
         elif digits > 4 and runs and not (self.tables.row_of(number) or self._place_of(number).of_solution):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if without_sizes(x) in runs}
-        if self._place_of(number).own and not found:
+        in_row = self.tables.row_of(number) and digits > 3 and self._methods_beside(number)
+        if (self._place_of(number).own or in_row) and not found:
             others = {_METHOD.sub("", one) for one in alike}  # what another method has
             found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
         found = found or (self._out_of_step(number, named, digits) if sure else {})
@@ -175,25 +191,36 @@ class Suggestions(LookAlikes):
     def _misfit(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
         """The values that the place names, if they are of the kind of those beside the number.
 
-        Those are half of its column, at least two, of the same method or another; or outside tables the nearest one
-        written alike, of the same run or, with a value not twice or half of it, of another method.
+        Those are half of its column, at least two, of the same method or another, or one of it and half of its row and
+        column; or outside tables the nearest one written alike, of the same run or, with a value not twice or half of
+        it, of another method.
         """
         column, exact = bool(self.tables.row_of(number)), self._place_of(number).quantity == "exact"
         beside = sorted(self._company[self.tables.column_place(number)], key=lambda x: abs(x.start - number.start))[1:]
         if not column:
             alike = [x for x in beside if abs(x.start - number.start) < BESIDE and form_of(x) == form_of(number)]
             beside = [x for x in alike if any(one.strong for one in self.look_alikes(x))][:1]
-        held = [ones[0].question for x in beside if (ones := self.look_alikes(x)) and ones[0].strong]
-        for other in ("", _METHOD) if column else (_READOUT, _METHOD):
+        held = self._held(beside)
+        for other in ("", _METHOD_AND_START) if column else (_READOUT, _METHOD_AND_START):
             kind = {x: re.sub(other, "", without_sizes(x) if column else x) for x in (*held, *named)}
             kinds, least = Counter(kind[x] for x in held), max(2, len(beside) // 2) if column else 1
             found = {x: y for x, y in named.items() if kinds[kind[x]] >= least}
             found = {x: y for x, y in found.items() if exact or not x.startswith("exact ")}
-            if other is _METHOD and not column:
+            if other is _METHOD_AND_START and not column:
                 found = {x: y for x, y in found.items() if Fraction(y) and 1 < 2 * number.value / Fraction(y) < 4}
             if found:
                 return found
-        return {}
+        row = self.tables.row_of(number)
+        across = [x for x in self._numbers if row and row[0].start <= x.start < row[-1].end and x != number]
+        across = [x for x in across if self._place_of(x).quantity != "chosen"]
+        kinds = Counter(_METHOD_AND_START.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
+        own, fewest = {without_sizes(x) for x in held}, max(3, (len(beside) + len(across)) / 2)
+        sure = {x: without_sizes(x) for x in named if row and without_sizes(x) in own}
+        return {x: named[x] for x, run in sure.items() if kinds[_METHOD_AND_START.sub("", run)] >= fewest}
+
+    def _held(self, numbers: Iterable[TextNumber]) -> list[str]:
+        """The questions of those of the numbers that are claims."""
+        return [ones[0].question for x in numbers if (ones := self.look_alikes(x)) and ones[0].strong]
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""

@@ -18,6 +18,13 @@ _IS_ROW = re.compile(r"^[|!{]|!!|(?<=\s)\|\|?(?=\s|$)")
 # A head in bold on a page of a wiki.
 _BOLD = re.compile(r"\A'{2,3}(.*)'{2,3}\Z")
 
+# A heading: a short line, with no sign of a sentence or an equation, between the end of one and the begin of another.
+# It ends a section as a row of a table does.
+_SECTION_ENDS = re.compile(
+    r"(?m)^(?:[|!{].*|.*\S \|\|? .*|(?<=[^\w,(]\n)[#=* ]*[^\W_](?:[^|=.,;:\n]|[hH] ?= ?[0-9.]+){1,60}[=# ]*$"
+    r"(?=\n[#*(]*[^a-z\s]))"
+)
+
 # Characters before a number that are searched for the head of its table.
 _FARTHEST = 2000
 
@@ -112,6 +119,14 @@ class TextTables:
         while start >= 0 and (row := self._row(start)):
             yield row
             start = self._text.find("\n", start) + 1 or -1
+
+    def section_of(self, table: int) -> str:
+        """The text around the table that begins there, up to the headings and tables before and after it."""
+        above = self._written[:table]
+        below = "\n".join(dropwhile(_IS_ROW.search, self._written[table:].split("\n")))
+        starts = [end.start() for end in _SECTION_ENDS.finditer(above)][-1:] or [0]
+        end = _SECTION_ENDS.search("\n" + below)
+        return above[starts[0] :] + below[: end.start() if end else len(below)]
 
     def column_place(self, number: TextNumber) -> tuple[int, int]:
         """The place where the number's table begins, and its column there; (-1, -1) outside tables."""

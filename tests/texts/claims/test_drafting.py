@@ -245,3 +245,34 @@ def test_a_draft_recommends_to_run_what_prints_numbers_that_no_claim_holds(count
     printed = PRINTED.format(count, "\n".join(f"{i * 7.123:.3f}" for i in range(1, count + 1)))
     text = draft(document_of(printed, "markdown"), "a.md")
     assert (f"# `driftproof check a.md --run` compares {count} numbers that listings print" in text) == said
+
+
+DECAY = """\
+For $w' = -2w + 1$, $w(0) = 3$ Heun's method with $h = 0.2$ and then $h = 0.1$ goes to $t = 1$. Take h = {}.
+
+```python
+w = 3.0
+for n in range(round(1/{})):
+    w = heun(w, {})
+print(w)
+```
+
+```
+{}
+```
+"""
+
+
+@pytest.mark.parametrize(
+    ("said", "in_code", "printed", "slip"),
+    [
+        ("0.2", "0.1", "0.843620", None),
+        ("0.1", "0.2", "0.863483", None),
+        ("0.2", "0.2", "0.843620", "0.863483"),
+        ("0.1", "0.1", "0.843602", "0.843620"),
+    ],
+)
+def test_what_a_listing_prints_is_of_its_own_step_size(said, in_code, printed, slip):
+    drafted = draft(document_of(DECAY.format(said, in_code, in_code, printed), "markdown"), "a")
+    assert re.findall(rf"{printed} is perhaps a slip: .* is ([0-9.]+)", drafted) == [slip] * bool(slip)
+    assert (f'h={in_code}, t=1 : w"\nplaces = 6' in drafted) is (slip is None)

@@ -168,3 +168,32 @@ def test_a_row_that_is_live_as_a_whole_keeps_the_heads_of_its_columns(old, new, 
     for text, expected in ((STEPS_IN_HEADS, []), (STEPS_IN_HEADS.replace(old, new), [found])):
         checked = check_claims(document_of(text, "markdown"), claims)
         assert [x.found for each in checked if each.claim.values for x in each.findings][-1:] == expected
+
+
+ON_A_WIKI = """== Decay ==
+Take u' = -3u with u(0) = 2 and h = 0.1. AB2 is started with a step of Heun's method; Euler's needs no start.
+
+{| class="wikitable"
+! t !! AB2 !! Heun
+|-
+| 0.2 || 1.119500 || 1.110050
+|-
+| 0.3 || 0.839225 || 0.826987
+|}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("AB2 !! Heun", "Heun !! AB2", "Heun"),
+        ("a step of Heun's", "a step of RK4's", "rk4"),
+        ("Euler's needs", "RK4 needs", None),
+    ],
+)
+def test_a_row_of_a_wiki_keeps_its_heads_and_a_run_what_starts_it(old, new, found):
+    claims = parse_claims(draft(document_of(ON_A_WIKI), "a")).claims
+    assert sum(len(one.values) for one in claims) == 4
+    checked = check_claims(document_of(ON_A_WIKI.replace(old, new)), claims)
+    assert {x.found for each in checked for x in each.findings} == {found} - {None}
+    assert not any(each.findings for each in check_claims(document_of(ON_A_WIKI), claims))

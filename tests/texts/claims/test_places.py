@@ -4,9 +4,10 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.texts.claims.places import asked_quantity
+from driftproof.texts.claims.places import asked_quantity, place_of
 from driftproof.texts.claims.suggestions import Suggestions
-from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.claims.tables import tables_of
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 ABOVE = """The error is {}.
 
@@ -134,3 +135,21 @@ def test_a_place_is_sure_of_its_time_if_that_stands_in_its_row_or_sentence():
 @pytest.mark.parametrize(("said", "quantity"), [("0.3", "state"), ("shown below", "error")])
 def test_a_quantity_above_a_table_is_that_of_the_table_unless_its_own_value_is_given(said, quantity):
     assert place(ABOVE.format(said), "0.77").quantity == quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "settings"),
+    [
+        ("with h = 0.1, in the very first step euler goes to y = {}", {"h": "1/10", "t": "1/10"}),
+        ("with h = 0.1, at last euler goes to y = {}", {"h": "1/10"}),
+        ("at t = 4 the energy has risen from {} to 1.99", {"t": "0"}),
+        ("at t = 4 the error has fallen from {} to 0.02", {"t": "4"}),
+        ("errors\nh = 0.2 h = 0.1\n| euler | {} |", {}),  # heads that are not told apart
+        ("errors\nh = 0.1\n| euler | {} |", {"h": "1/10"}),
+    ],
+)
+def test_the_first_step_the_start_and_one_of_two_step_sizes_are_told_apart(text, settings):
+    start, written = text.index("{"), text.format("0.75")
+    row = tables_of(written).row_of(TextNumber(start, start + 4, "0.75", None))
+    found = place_of(written, start, start + 4, row, {"y": "y"}).settings
+    assert found == {x: Q(given) for x, given in settings.items()}

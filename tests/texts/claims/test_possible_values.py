@@ -13,7 +13,7 @@ from tests.looping import exactly
 def test_so_many_methods_steps_and_times_are_asked_of_and_no_more():
     given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
     given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "htN" for n in range(2, 9)]
-    text = " ".join([*METHODS, *given])
+    text = ". ".join([*METHODS, *given])
     asked = [question.split() for question in Suggestions(text).values._usual_questions()]
     assert [len({words[1] for words in asked if words[0] == kind}) for kind in ("order", "run")] == [20, 6]
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}

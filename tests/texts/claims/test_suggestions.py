@@ -709,3 +709,153 @@ def test_a_part_of_the_energy_is_no_relative_error(said, slips):
     suggestions = Suggestions(text)
     found = [suggestions.slips(x) for x in numbers_in(text) if x.text == "0.0179"]
     assert [len(one) for one in found] == [slips]
+
+
+COOLING = "u'=-3u + t, u(0)=2"
+STALE = """\
+Exercise A
+Solve u' = -3u + t, u(0) = 2 with h = {} by Euler's method and Heun's method.
+| t | Euler | Heun |
+| 0.25 | {} | {} |
+| 0.5 | {} | {} |
+| 1.0 | {} | {} |
+Exercise B
+Repeat. The errors at t = 1:
+| method | h = 0.125 | h = 0.0625 |
+| Euler | {} | {} |
+| Heun | {} | {} |
+"""
+
+
+@pytest.mark.parametrize(("said", "claimed"), [("0.125", 6), ("0.25", 0)])
+def test_a_table_is_of_the_step_size_of_its_own_section(said, claimed):
+    runs = [
+        f"run {by} {COOLING}, h=0.125, t={t} : u" for t in ("0.25", "0.5", "1") for by in ("forward_euler", "heun2")
+    ]
+    errors = [
+        f"run {by} {COOLING}, h={h}, t=1 : error" for by in ("forward_euler", "heun2") for h in ("0.125", "0.0625")
+    ]
+    printed = [value(one).places(5) for one in (*runs, *errors)]
+    found, slips = claims_and_slips(STALE.format(said, *printed))
+    assert [found[x] for x in printed[:6]] == (runs if claimed else [""] * 6)
+    assert len(slips) == 6 - claimed
+    assert [found[x] for x in printed[6:]] == errors
+
+
+SWING = "Velocity Verlet and RK4 swing. Here is x'' = -2sin(x), x(0) = 0.9, x'(0) = 0, and E = 1/2 x'^2 - 2cos(x)."
+
+
+@pytest.mark.parametrize(
+    ("said", "slips"),
+    [
+        (
+            "In def verlet(x, v, h) a step of h = 0.2 follows.\n| method | energy |\n| RK4 | -1.242607 |",
+            [],
+        ),  # -1.242602
+        ("RK4 has E = -1.243223 at t = 0.2, h = 0.2. At the start it is E = -2cos 0.9 = -1.243220.", ["-1.243224"]),
+    ],
+)
+def test_what_is_said_of_the_start_or_by_no_method_of_the_text_is_no_slip_of_a_run(said, slips):
+    assert [*claims_and_slips(f"{SWING}\n{said}")[1].values()] == [slips][: len(slips)]
+
+
+def test_a_factor_beside_one_is_no_slip_of_a_change_of_few_digits():
+    for number, slips in (("1.04", {}), ("0.0451", {"10*0.00431": "0.0431"})):
+        text = f"Up to t = 10 it grows by 1 + h^2 = {number}, says Euler."
+        assert Suggestions(text, ["{10}*0.00431"]).slips(numbers_in(text)[-1]) == slips
+
+
+@pytest.mark.parametrize(
+    ("said", "question"),
+    [
+        ("t = 6, 30 steps of h = 0.2. With h = 0.4 RK4 makes {120}", ""),
+        ("t = 6, 30 steps of h = 0.2. With h = 0.2 RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+        ("t = 6 and h = 0.2: RK4 is best, but makes {30}", ""),
+        ("t = 6 and h = 0.2: beside Euler's 30, RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+    ],
+)
+def test_a_count_of_evaluations_is_of_the_method_and_the_steps_of_its_own_step_size(said, question):
+    text = f"RK4 is run up to {said.replace('{', '').replace('}', '')} evaluations of f, against 30 for Euler."
+    number = next(x for x in numbers_in(text) if x.text == said[said.index("{") + 1 : -1] and x.start > 60)
+    assert [one.question for one in Suggestions(text).look_alikes(number)[:1] if one.strong] == [question][
+        : len(question)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("said", "claimed"),
+    [
+        ("For small q, q'' = -q. RK4 is then stable up to {}", "imaginary_limit rk4"),
+        ("For large s, s' = -3s. RK4 is then stable up to {}", "real_limit rk4"),
+        ("For small q, q'' = -q. On the real axis RK4 is stable up to {}", "real_limit rk4"),
+        ("RK4 is stable up to 2√2 = {}", "imaginary_limit rk4"),
+    ],
+)
+def test_a_limit_is_of_the_axis_of_the_equation_before_it_and_what_a_calculation_gives(said, claimed):
+    for limit, number in (("real_limit rk4", "2.785"), ("imaginary_limit rk4", "2.828")):
+        assert claims_and_slips(said.format(number))[0][number] == (claimed if limit == claimed else "")
+
+
+ROWS = """For s' = -2s + 1, s(0) = 0 and t = 1:
+| method | h = 0.2 | h = 0.1 | ratio |
+| Euler error | 2.879e-02 | 1.398e-02 | 2.06 |
+| Heun error | 5.029e-03 | 1.056e-03 | 4.76 |
+| RK4 error | 4.037e-05 | 2.133e-06 | 18.93 |
+"""
+ROWS_OF_ORDERS = (
+    ROWS.replace("ratio", "observed order").replace("2.06", "1.04").replace("4.76", "2.25").replace("18.93", "4.24")
+)
+COLUMNS_OF_RUNS = """For s' = -2s + 1, s(0) = 0, here are the errors at t = 1:
+| h | Euler s | Euler error | Heun error | RK4 error |
+| 0.2 | 0.461120 | 0.0288 | 0.00503 | 4.04e-05 |
+| 0.1 | 0.446313 | 0.0140 | 0.00106 | 2.13e-06 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "changed"),
+    [
+        (ROWS, {}),
+        (ROWS, {"5.029e-03": "4.037e-05", "4.037e-05": "5.029e-03"}),  # exchanged
+        (ROWS, {"2.06": "3.06"}),
+        (ROWS, {"4.76": "4.77"}),  # of rounded errors
+        (COLUMNS_OF_RUNS, {}),
+        (COLUMNS_OF_RUNS, {"0.461120": "0.435200"}),  # a step too early
+        (COLUMNS_OF_RUNS, {"0.00106": "0.00137"}),
+        (COLUMNS_OF_RUNS, {"0.0140": "0.0288"}),  # three digits with the last zero
+        (ROWS_OF_ORDERS, {"1.04": "1.36"}),
+    ],
+)
+def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):
+    written = text
+    for right, wrong in changed.items():
+        written = written.replace(f"| {right} |", f"| <{wrong}> |")
+    claimed, slips = claims_and_slips(written.replace("<", "").replace(">", ""))
+    known = {} if changed == {"4.76": "4.77"} else changed
+    assert {x: float(y[0]) for x, y in slips.items()} == {wrong: float(right) for right, wrong in known.items()}
+    assert not any(claimed[wrong] for wrong in changed.values())
+
+
+FALLS = """\
+For s' = -2s + 1, s(0) = 0 and t = 1 we take h = 0.2, h = 0.1 and h = 0.05. With each halving, the error of Euler's
+method falls by a factor of {} and then {}; that of Heun's method by {} and {}.
+These ratios are observed orders of {} and {}. It is {} times as dear.
+"""
+RIGHT = ("2.059", "2.032", "4.761", "4.337", "1.042", "2.251", "2.06")
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        {"2.059": "2.032", "2.032": "2.059"},  # exchanged
+        {"4.761": "2.032"},  # Euler's
+        {"1.042": "2.251", "2.251": "1.042"},
+    ],
+)
+def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_large_steps_to_small_ones(changed):
+    suggestions = Suggestions(FALLS.format(*(changed.get(x, x) for x in RIGHT)))
+    numbers = [x for x in numbers_in(suggestions.text) if "." in x.text][-7:]
+    claimed = [any(one.strong for one in suggestions.look_alikes(x)[:1]) for x in numbers]
+    assert claimed == [*(x not in changed for x in RIGHT[:-1]), False]
+    assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())
