@@ -219,7 +219,7 @@ class Seen:
         stages = counted(calls, f"{implicit}stage")
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems it is {best}" if best is not None else ""
-        words = f"{NOT_KNOWN}, but has {stages} and order {read.order.order}{linear}{read.solved}"
+        words = f"{NOT_KNOWN}, but has {stages} and {read.order.words}{linear}{read.solved}"
         return Naming(Basis.UNKNOWN, words, () if self.fit is None or self.fit.best is None else self.fit.best.methods)
 
     @property

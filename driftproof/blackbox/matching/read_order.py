@@ -44,6 +44,11 @@ class ReadOrder:
     untimed_order: int
 
     @property
+    def words(self) -> str:
+        """The order, or the least that it may be, e.g. "order 4" and "order 12 or more"."""
+        return f"order {self.order}{' or more' * (self.residual is None)}"
+
+    @property
     def reason(self) -> str:
         """Why the order is not one higher, e.g. "the condition of tree [[τ],τ] fails by 1/720"."""
         if self.residual is None:
