@@ -66,12 +66,12 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5549,
+    "methods": 5548,
     "symbolic": 10733,
     "numeric": 4018,
     "blackbox": 22116,
     "enclosure": 4961,
-    "texts": 10291,
+    "texts": 10292,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5941
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

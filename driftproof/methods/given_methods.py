@@ -46,7 +46,7 @@ def methods_of(given: GivenMethods) -> list[Entry]:
     Raises ValueError.
     """
     found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
-    if not any(isinstance(each, Method) for each in found):
+    if found and not any(isinstance(each, Method) for each in found):
         method_of(_each(given)[0])  # raises
     return found
 

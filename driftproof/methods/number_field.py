@@ -283,8 +283,7 @@ class Algebraic(ScalarExtension):
         for power, c in enumerate(self.coefficients):
             if c:
                 name = self.field.name
-                base = name if name[0] == "(" or name.isidentifier() else f"({name})"
-                root = name if power == 1 else f"{base}**{power}"
+                root = name if power == 1 else f"{name if name[0] == '(' else f'({name})'}**{power}"
                 body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
                 sign = "-" if c < 0 else "+"
                 text += f" {sign} {body}" if text else f"{sign}{body}".removeprefix("+")

@@ -53,6 +53,7 @@ def test_methods_are_named_in_one_text_or_one_by_one() -> None:
     for given in ("rk4, heun2", ["rk4", heun2], (rk4, "heun2")):
         assert methods_of(given) == [rk4, heun2]
     assert methods_of(rk4) == [rk4]
+    assert methods_of([]) == []
     for wrong, reason in (
         ("sdirk_order_2", "a family of methods, with"),
         (4, "^'4' is not a method: give a key, a .toml file, or a method$"),

@@ -41,6 +41,7 @@ _WORDS = {
     r"off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",
     "evaluations": r"evaluations|calls",
+    "slope": r"slopes?|gradients?",
 }
 _QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.

@@ -36,6 +36,7 @@ def place(text, number):
         ("RK4: the relative error is 0.77 %", {"rk4"}, (None, None), "percent", None),
         ("RK4: the relative error is 0.77", {"rk4"}, (None, None), "relative_error", None),
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
+        ("With h = 0.1 Heun's slope at t = 1 is 0.77", {"heun2"}, (Q(1, 10), 1), "slope", None),
         ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
         ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
         ("Heun, δt = 0.1: after five steps y = 0.77", {"heun2"}, (Q(1, 10), Q(1, 2)), "state", "y"),

@@ -38,7 +38,7 @@ WRITTEN = [
     (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
     (Q(-1, 120), "-1/120", r"$-\frac{1}{120}$"),
     (1 - square_root(2) / 2, "1 - 1/2*sqrt(2)", r"$1-\frac{\sqrt{2}}{2}$"),
-    (TURNED.generator**2 - 1, "-1 + r**2 = 2.5320888862379561", "$-1+r^{2}$"),
+    (TURNED.generator**2 - 1, "-1 + (r)**2 = 2.5320888862379561", "$-1+r^{2}$"),
     (INFINITY, "oo", r"$\infty$"), ([], "none", "none"),
     ((Q(0), Q(1, 2)), "[0, 1/2]", r"[$0$, $\frac{1}{2}$]"),
     (RK4.imaginary_limit, "2*sqrt(2) = 2.828427124746190097603377448419", r"$2 \sqrt{2} \approx 2.82842712$"),
