@@ -97,11 +97,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         ]
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
     open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
-    if (
-        open_numbers
-        and not any(" t={" in one for one in suggestions.values.stated)
-        and (unread := unread_equation(text))
-    ):
+    are_stated = any(" t={" in one for one in suggestions.values.stated)
+    if open_numbers and not are_stated and (unread := unread_equation(text)):
         at, equation, why = unread
         drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)

@@ -339,13 +339,10 @@ def _settings(
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
     counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
-    taken = (
-        counts * of_step
-        if row
-        else []
-        if near["t"]
-        else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
-    )
+    if row:
+        taken = counts * of_step
+    else:
+        taken = [] if near["t"] else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
     elif counts and "t" in settings and not near["h"]:
