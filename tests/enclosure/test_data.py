@@ -193,6 +193,7 @@ def test_a_bin_of_the_solution_changes_where_the_solution_comes_to_its_edge():
     assert off(found, 2 + Fraction(3, 4) * Fraction(6, 5)) < 1e-25
 
 
+@pytest.mark.slow
 def test_angle_of_a_point_on_a_circle_jumps_on_one_side_only():
     """The integral of the angle of (cos t, sin t), which is t up to pi and then t - 2 pi, is (9 - 2 pi)^2/2 at 9."""
     turning = lambda t, y: np.array([-y[1], y[0], np.arctan2(y[1], y[0])])

@@ -98,6 +98,7 @@ def test_a_factor_that_no_ball_rounds_ends_no_report(monkeypatch, answer, tmp_pa
     assert re.search(r"heun2 +0.5 +20 +yes +0\.60676\d +error", out)
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_well_by_luck_does_not_follow(stability):
     """Backward Euler's one step ends close enough; what 512 steps meet at the jump, Newton's method does not solve."""
     (entry,) = stability("van_der_pol_1e3", "backward_euler", "2")

@@ -356,6 +356,7 @@ def test_a_damping_that_is_small_beside_a_stiff_spring_is_part_of_the_system():
     assert "is rk4 on its own system (q' = v, v' = -1e+06 q - 10 v)" in found.verdict
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("last", "passed", "words"), [(1, None, "v' = -1e+06 q), to "), (2, False, "ends in")])
 def test_the_own_time_of_a_stiff_spring_is_that_of_its_swing(last, passed, words):
     def step(x, v, dt):

@@ -38,6 +38,7 @@ def capped(floor=0.0):
     return shortened
 
 
+@pytest.mark.slow
 def test_a_largest_step_that_hides_some_tolerances_is_no_fault():
     assert not [each for each in read(capped()).faults if "10 times smaller" in each]
     assert [each for each in read(capped(floor=1e-4)).faults if "10 times smaller" in each or "is ignored" in each]
@@ -59,6 +60,7 @@ def of_the_start(f, t_span, y0, rtol, atol):
     return adaptive(size=lambda y: abs(np.array(y0)))(f, t_span, y0, rtol, atol)
 
 
+@pytest.mark.slow
 def test_errors_that_are_compared_with_the_start_are_told_though_its_tolerances_take_too_many_calls():
     found = read(of_the_start)
     assert found.seen["Tolerance"][0].startswith("not seen: after 30000 calls of f")

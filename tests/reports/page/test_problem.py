@@ -59,6 +59,7 @@ def test_kinks_are_told_of_and_signs_are_written_as_such():
     assert "kinks" not in report("harmonic_oscillator", methods=["rk4"]).html
 
 
+@pytest.mark.slow
 def test_a_scene_on_a_problem_shows_its_readouts_and_its_table_at_its_step(tmp_path):
     """Of y' = -y a step of Euler's method leaves 3/4; two leave 9/16. A run that overflows has its reason."""
     euler = Scene("own", "forward_euler", Fraction(1, 4), Fraction(1, 2), readouts=("final_state", "evaluations"))

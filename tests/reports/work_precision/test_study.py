@@ -16,6 +16,7 @@ from driftproof.reports.work_precision.study import measure, state_remark
 from tests.reports.studies import contents, study, unheard
 
 
+@pytest.mark.slow
 def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_path):
     asked = study("rk4", "velocity_verlet", "gauss2")
     for folder in ("first", "second"):
