@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4018,
     "blackbox": 22116,
     "enclosure": 4961,
-    "texts": 10286,
+    "texts": 10287,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5941
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

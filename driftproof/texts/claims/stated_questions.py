@@ -93,7 +93,8 @@ def _questions(
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
     known = multistep | {*METHODS}
-    spoken = methods_named(part.lower()) & known or methods_named(text.lower()) & known
+    named_anywhere = methods_named(text.lower()) & known  # Verlet's method is that which has its whole name elsewhere
+    spoken = methods_named(part.lower()) & named_anywhere or named_anywhere
     if "explicit" in text.lower() and "implicit" not in text.lower():
         spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
     chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]

@@ -182,3 +182,12 @@ def test_the_steps_of_multistep_methods_are_no_counts_of_steps():
         "y' = -2ty, y(0) = 1, h = 0.1. Methods of two, three and four steps, none of more than six steps: t = 1"
     )
     assert [one for one in asked if one.startswith("exact")] == ["exact y'=-2t*y, y(0)=1, t={1} : {y}"]
+
+
+def test_a_name_of_several_methods_is_that_of_the_one_whose_whole_name_the_text_has():
+    problem = "x'' = -sin x, x(0) = 1, x'(0) = 0: Verlet's method with h = 0.1 leads to t = 1."
+    for before, meant in (
+        ("Velocity Verlet is popular. ", "{velocity_verlet}"),
+        ("", "{velocity_verlet,position_verlet}"),
+    ):
+        assert f"run {meant} " in stated(before + problem)[1]
