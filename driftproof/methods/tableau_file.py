@@ -27,9 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import (
-    FactsOnly,
-)
+from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import Family, ParameterFunction, parameter_function, parse_function

@@ -90,8 +90,7 @@ def test_a_method_of_a_file_that_claims_no_order_is_held_to_the_order_that_is_de
 
 def test_a_method_of_a_file_that_claims_too_high_an_order_is_held_to_its_own_and_told_so():
     mine = replace(METHODS["ralston2"], key="mine", claimed_order=3)
-    report = held(codes.ralston, mine)
-    assert report.passed
+    assert (report := held(codes.ralston, mine)).passed
     assert report.verdict.endswith("; remark: mine itself: claimed order 3, has 2")
     assert "mine has order 2, not 3 as its table claims" in report.text()
     assert "remark" not in held(codes.ralston, replace(mine, claimed_order=2)).verdict

@@ -114,10 +114,11 @@ def own_time(seen: Sequence[tuple[Array, Array]], slopes: Callable[[Array], Arra
     for (y, f), (z, g) in pairwise(seen):
         far, moved = float(np.linalg.norm(z - y)), float(np.linalg.norm(g - f))
         rates.append(moved / far)
+        if slopes is None or not moved:
+            continue
+        part = _ROUGH * far / moved
         with suppress(Misbehaviour, ArithmeticError):
-            part = _ROUGH * far / moved if moved and slopes else 0.0
-            again = float(np.linalg.norm(slopes(y + part * (g - f)) - f)) if slopes and part else 0.0
-            rates[-1] = (again / (part * far)) ** 0.5 if part else rates[-1]
+            rates[-1] = (float(np.linalg.norm(slopes(y + part * (g - f)) - f)) / (part * far)) ** 0.5
     return 2.0 ** -round(log2(max(*rates, _ROUGH)))
 
 
