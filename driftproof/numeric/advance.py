@@ -8,11 +8,12 @@ from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.explicit_steps import field_source
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField, field_source
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import compiled_runner, elementwise, program_function, runner
 from driftproof.numeric.implicit import ImplicitRun, implicit_runner
 from driftproof.numeric.multistep import MultistepRun, multistep_runner
