@@ -101,8 +101,9 @@ class Curve:
     def verdict(self) -> str:
         """How the measured order differs from the claim; "" if they agree to the nearest integer, or one is missing.
 
-        Slopes that lie a whole order apart contradict no claim: they are "not settled". So are those of an error that
-        fell as claimed before and then stays, as where equal steps are too long for an initial layer.
+        Slopes that lie a whole order apart contradict no claim: they are "not settled", and so are fewer than SLOPES.
+        So are those of an error that fell as claimed before and then stays, as where equal steps are too long for an
+        initial layer.
         """
         found = self.order
         if found is None or not self.claimed_order:
@@ -112,6 +113,8 @@ class Curve:
             return "not settled"
         if round(found.median) == self.claimed_order:
             return ""
+        if found.slopes < SLOPES:
+            return "not settled"
         return f"{'below' if found.median < self.claimed_order else 'above'} the claimed order {self.claimed_order}"
 
 
