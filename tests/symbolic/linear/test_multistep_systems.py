@@ -106,6 +106,7 @@ def test_a_common_factor_is_not_looked_past():
 def test_what_is_not_zero_stable_has_no_limit_and_what_is_not_consistent_none_that_is_decided(rate):
     growing = Multistep("growing", "", 1, "", rho=(2, -3, 1), sigma=(-1, 0, 0))  # ζ = 2 for every h that tends to 0
     assert MultistepSystemFacts(growing, [[Q(rate)]]).step_limit == NEVER
+    assert MultistepSystemFacts(growing, [[Q(0)]]).step_limit == NEVER
     backward = Multistep("backward", "", 0, "", rho=(-1, 1), sigma=(-1, 0))  # ζ = 1 - hλ
     with pytest.raises(UndecidedLimitError, match="not consistent"):
         assert MultistepSystemFacts(backward, [[Q(rate)]]).step_limit
