@@ -18,7 +18,7 @@ from driftproof.numeric import newton
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import NO_STEP, require_done
 from driftproof.numeric.loops import FieldWriters, loop
-from driftproof.numeric.newton import Equations, solved
+from driftproof.numeric.newton import Equations, solved_group
 
 _State: TypeAlias = tuple[float, ...]
 # The explicit methods that start explicit ones, each with its order p. The error of one of their steps is O(h^(p + 1)),
@@ -162,7 +162,7 @@ def run_multistep(
             start[d] = states[k - 1][d] - base[d]
         if table.implicit != 0:
             equations = Equations(i * h, base, h, a, c, known)
-            if not solved(writers, equations, start, moves, report):
+            if not solved_group(writers, equations, start, moves, report):
                 report[newton.STATE], report[newton.STEP] = newton.UNSOLVED, i
                 return
         finite = True

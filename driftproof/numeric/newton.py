@@ -229,7 +229,7 @@ def _solved_group(
     return solved
 
 
-def solved(writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any) -> bool:
+def solved_group(writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any) -> bool:
     """Solve for the moves Z from Z = start, damped if it fails without damping; True if solved."""
     plain = _solved_group(writers, equations, start, moves, report, damped=False)
     return plain or _solved_group(writers, equations, start, moves, report, damped=True)
@@ -264,7 +264,7 @@ def _take_step(writers: FieldWriters, t: float, y: Any, h: float, table: StepTab
         if _largest_entry(equations.a) > 0:
             # from the stage before: w may lie, where f is stiff, beyond another solution
             start = moves[first - 1] if first else writers.zeros(n)
-            if not solved(writers, equations, start, found, report):
+            if not solved_group(writers, equations, start, found, report):
                 return UNSOLVED
             # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
             if last - first == 1:
