@@ -68,7 +68,7 @@ BUDGETS = {
     "support": 1279,
     "methods": 5552,
     "symbolic": 10923,
-    "numeric": 4360,
+    "numeric": 4356,
     "blackbox": 22117,
     "enclosure": 4970,
     "texts": 10288,
