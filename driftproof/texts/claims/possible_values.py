@@ -79,7 +79,7 @@ class PossibleValues:
         Raises QuestionError if no question of the author has an answer.
         """
         questions = published_values() | dict.fromkeys(self._usual_questions())
-        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
+        found = [KnownValue(each, answer) for each in questions if (answer := usual(each))]
         asked = list[KnownValue]()
         for question, chosen in self.asked.items():
             try:
@@ -165,7 +165,7 @@ class PossibleValues:
 
 
 @cache
-def _usual(question: str) -> Answer | None:
+def usual(question: str) -> Answer | None:
     """The answer to a question that names no file, computed once for all texts; None if there is none."""
     with suppress(ValueError):
         return value(question)

@@ -18,6 +18,7 @@ from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, wit
 from driftproof.texts.claims.places import COMPARED, asked_quantity
 from driftproof.texts.claims.possible_values import EFFORT, LIMITS_OF_METHODS, SHARE
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
+from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
@@ -76,6 +77,9 @@ class Suggestions(LookAlikes):
         limit needs four and its names in the sentence: one number in 180 is by chance a slip for a given value.
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
+        if number.is_worded:
+            own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
+            return {fact: own[0]} if fact and own and number.text not in own else {}
         found, written = dict[str, str](), self.values.written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
@@ -109,9 +113,9 @@ class Suggestions(LookAlikes):
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
-                answer = next((each.answer for each in self.values.known if each.question == fact), None)
-                own = form_of(number).spellings(answer) if answer and answer.is_number else []
-                found |= {fact: own[0]} if own and spelled(number) not in own else {}
+                own = self.fact_spelled(fact, form_of(number))
+                wrong = own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0]))
+                found |= {fact: own[0]} if wrong else {}
             elif fact in first:
                 of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
                 of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
@@ -124,6 +128,13 @@ class Suggestions(LookAlikes):
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _is_safe(self, number: TextNumber, fact: str, limit: Fraction) -> bool:
+        """True for a bound of step sizes that is no limit but right: one cut off, or of two digits on its safe side."""
+        x, last = number.value, Fraction(1, 10 ** (number.places or 0))
+        before, _ = sentence_around(self._lower, number.start, number.end)
+        safe = is_on_the_safe_side(before, x, limit) and (len(digits_of(number.text)) < 3 or abs(x - limit) <= last)
+        return is_bound(before) and safe
 
     def _methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""

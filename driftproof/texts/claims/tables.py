@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import dropwhile, pairwise, takewhile
+from itertools import chain, dropwhile, pairwise, takewhile
 from typing import NamedTuple
 
+from driftproof.texts.claims.heads import STEP, is_of_steps
 from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
@@ -66,6 +67,7 @@ class TextTables:
     def __init__(self, text: str) -> None:
         self._written, self._text = text, text.lower()
         self._rows, self._beginnings = dict[int, list[Cell]](), dict[int, Counter[str]]()
+        self._begins, self._read = dict[int, int](), set[int]()
 
     def column_of(self, number: TextNumber) -> str:
         """The head of the number's column in a table, in lower case; "" for other numbers."""
@@ -77,7 +79,23 @@ class TextTables:
 
     def row_of(self, number: TextNumber) -> list[Cell]:
         """The cells of the number's row in a table; [] outside tables."""
-        return self._row(self._text.rfind("\n", 0, number.start) + 1)
+        start = self._text.rfind("\n", 0, number.start) + 1
+        row = self._row(start)
+        if row and (table := self._beginning(start)) not in self._read:
+            self._read.add(table)
+            self._mark_steps([*self._table(table)])
+        return row
+
+    def _mark_steps(self, rows: list[list[Cell]]) -> None:
+        """Call the columns of a table so which have numbers of steps, each in the row of its step."""
+        columns = defaultdict[int, list[Cell]](list)
+        for i, cell in chain(*map(enumerate, rows)):
+            columns[i] += [cell] * bool(cell.head and cell.written)
+        heads = {cells[0].head_written for cells in columns.values() if cells}
+        for i, cells in columns.items():
+            if cells and is_of_steps(cells[0].head_written, [cell.written for cell in cells], heads):
+                for row in rows:
+                    row[i : i + 1] = [cell._replace(head=STEP) for cell in row[i : i + 1]]
 
     def rows(self) -> Iterator[list[Cell]]:
         """The cells of every row of every table."""
@@ -110,7 +128,7 @@ class TextTables:
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""
         row = self._row(self._text.rfind("\n", 0, start) + 1)
-        heads = [cell.head for cell in row if cell.start <= start < cell.end]
+        heads = [cell.head_written.lower() for cell in row if cell.start <= start < cell.end]
         is_row = not address.row or address.row.lower() in map(str.lower, _beginnings(row))
         return is_row and (not address.column or heads == [address.column.lower()])
 
@@ -133,9 +151,16 @@ class TextTables:
         cell = self.cell_of(number)
         column = self.row_of(number).index(cell) if cell else -1
         start = self._text.rfind("\n", 0, number.start) + 1
-        while start and self._row(begin := self._text.rfind("\n", 0, start - 1) + 1):
-            start = begin
-        return (start, column) if column >= 0 else (-1, -1)
+        return (self._beginning(start), column) if column >= 0 else (-1, -1)
+
+    def _beginning(self, start: int) -> int:
+        """The place where the table with the row that begins there begins."""
+        if start not in self._begins:
+            begin, rows = start, [start]
+            while begin not in self._begins and begin and self._row(above := self._text.rfind("\n", 0, begin - 1) + 1):
+                rows.append(begin := above)
+            self._begins |= dict.fromkeys(rows, self._begins.get(begin, begin))
+        return self._begins[start]
 
     def _cells(self, row: str, start: int) -> Iterator[Cell]:
         heads, below = dict[int, str](), list[str]()
