@@ -64,7 +64,7 @@ class Doubt(NamedTuple):
         flat = document.text.text.replace("\n", " ")
         if " is " in self.words and self.words in flat:
             return TextNumber(at := flat.index(self.words), at + len(self.words), self.words, None)
-        places = places_of(document, self.claim, self.words) if self.claim else None
+        places = places_of(document, self.claim, self.words) if self.claim and not self.words[0].isalpha() else None
         words = [TextNumber(*word, None) for word in whole_numbers_in(document.text.text)]
         found = [x for x in (*uncovered, *words) if x.text == self.words and (places is None or x.start in places)]
         return min(found, key=lambda x: abs(document.position(x.start).line - self.line), default=None)

@@ -109,6 +109,9 @@ class LookAlikes(NamedPlaces):
         sole = None if fact and "*" in fact else fact  # a number of evaluations is also that of a run
         bound = is_bound(sentence_around(self._lower, number.start, number.end)[0])
         kinds = {without_sizes(each.question) for each in meant if each.stated}
+        of_two = len(digits_of(number.text)) > 1 and digits < 3
+        of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
+        joint = self.only_meant(number) if of_two else None
         compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
@@ -129,7 +132,8 @@ class LookAlikes(NamedPlaces):
             elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits
-            strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
+            likely = known.is_meant(x, telling, fit, rivals) or known is joint
+            strong = likely and not denied and not elsewhere
             named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
             guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
             strong = known.question == sole if sole else strong and not guessed

@@ -95,7 +95,7 @@ class StatedProblem:
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
             return _start_of(found[index + 1])
         speed = "" if of == name else f"|{of}'"
-        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))"
+        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))(?! ?[-+*·/] ?[\w(])"  # no z = 1 - y
         found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE}){later}", near)
         return _start_of(found[1]) if found else None
 
