@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import product
 from typing import TypeAlias
 
+from driftproof.enclosure.evaluations import Refused
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit, sentence_around
@@ -210,7 +211,7 @@ class Suggestions(LookAlikes):
             h, t = (next(map(Fraction, SETTING[x].findall(question)), None) for x in "ht")
             for other in (t - h, t + h) if h and t else ():
                 there = _TIME.sub(f"t={other}", question)
-                with suppress(ValueError):
+                with suppress(ValueError, Refused):
                     if other > 0 and spelled(number) in form_of(number).spellings(self.values.limited(there, EFFORT)):
                         found[question] = spelling
         return found
