@@ -196,14 +196,14 @@ def _digits_and_power(number: str) -> str:
 def _difference(
     document: Document, claim: Claim, expected: list[str], match: re.Match[str], spellings: Spellings
 ) -> Finding:
-    """The first number that differs, with its question where the id of the claim does not say it."""
+    """The first number that differs, with its question where the claim is called by its phrase."""
     wrong = [(i, *pair) for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if pair[0] != pair[1]]
     i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
         right = [*decimal_spellings(right), right][1]
     names = [name for name in claim.phrase.names if spellings[name][0] == expected[i - 1]]
     asked = claim.values[names[0]].question if len(names) == 1 < len(claim.phrase.names) else None
-    of = f" for {asked}" if asked and asked not in claim.id else ""
+    of = f" for {asked}" if asked and "{" in claim.id else ""
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}{of}")
 
 

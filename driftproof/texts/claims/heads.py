@@ -15,7 +15,7 @@ OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:o
 # The head of a column of observed orders, beside step sizes.
 ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
-WORDS = {
+QUANTITY_WORDS = {
     "observed_order": OBSERVED,
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
@@ -27,14 +27,14 @@ WORDS = {
     "evaluations": r"evaluations|calls",
     "slope": r"slopes?|gradients?",
 }
-QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in WORDS.items()))
+QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in QUANTITY_WORDS.items()))
 # The head of the column of an unknown, and of one that has an index, as y_n.
 HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<index>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
 # The head of numbers of steps, called so once its column is known to have them.
 STEP = "step number"
 _STEP = re.compile(r"(?:time ?)?step(?: ?(?:no\.?|n|k|i|j|#))?|step number")
 _COUNT = re.compile(r"[nkij]|N|[Ss]teps")
-HEADS = {
+SETTING_HEADS = {
     "h": r"h|dt|δt|step(?: ?size)?",
     "t": rf"t(?:_[ni])?|t_\{{?n\}}?|time|{TIME_UNIT}s?",
     "n": r"n|(?:number of |n_?)?steps",
@@ -71,7 +71,7 @@ def without_methods(head: str) -> str:
 
 def is_head_of(settings: str, head: str) -> bool:
     """True if the head of a column, in lower case, is that of values of one of the settings h, t, n and z."""
-    return any(re.fullmatch(rf"(?:{HEADS[x]})(?: ?[(\[](?![0-9]).*)?", head) for x in settings)
+    return any(re.fullmatch(rf"(?:{SETTING_HEADS[x]})(?: ?[(\[](?![0-9]).*)?", head) for x in settings)
 
 
 def is_of_steps(head: str, cells: Sequence[str], heads: Collection[str]) -> bool:

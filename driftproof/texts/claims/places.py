@@ -23,10 +23,10 @@ from driftproof.texts.claims.contradictions import (
 )
 from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
-    HEADS,
     ORDER_OF_COLUMN,
     QUANTITY,
-    WORDS,
+    QUANTITY_WORDS,
+    SETTING_HEADS,
     is_head_of,
     leaves_quantity,
     without_methods,
@@ -37,7 +37,7 @@ from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
-    rf"\b(?:{WORDS['exact']})(?: (?:value|solution|answer|there|then|at|for|when|t ?= ?[0-9./]+|\w+ ?=))*"
+    rf"\b(?:{QUANTITY_WORDS['exact']})(?: (?:value|solution|answer|there|then|at|for|when|t ?= ?[0-9./]+|\w+ ?=))*"
     r" (?:is|reads|=|≈)(?: \w+ ?[=≈])? ?\Z"
 )
 _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0,20}\Z")
@@ -248,7 +248,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         and any(is_head_of("h", cell.head) for cell in row)
     ):
         quantity = "observed_order"
-    if is_head_of("".join(HEADS), head):
+    if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
@@ -302,7 +302,7 @@ def _settings(
     """Step size and time of the row, the head, the sentence, or the last before it; which are near; is the time?"""
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
-    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in HEADS}
+    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in SETTING_HEADS}
     settings, near = dict[str, Fraction](), dict[str, list[str]]()
     if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + _BESIDE]):  # (0.5, 0.1) at t = 0.2
         end += state.end()

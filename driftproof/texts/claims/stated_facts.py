@@ -29,7 +29,7 @@ from driftproof.texts.readers.number_words import counts_of_steps
 
 # Words near an order that is not the method's own.
 _OF_SOMETHING_ELSE = re.compile(
-    r"\b(?:local|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
+    r"\b(?:local\w*|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
     r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
 )
 # Right before a number that bounds step sizes, or h times an eigenvalue; and what happens beyond the bound.
@@ -56,7 +56,7 @@ _EVALUATIONS = re.compile(
 )
 _EACH = re.compile(r"\bevaluations?\b[^.;]{0,40}\b(?:per|each|every) step\b")
 _VERBS = (
-    "(?: has| have| is| with| needs| takes| makes| uses| used| costs?| requires)?"
+    "(?: has| have| is| needs| takes| makes| uses| used| costs?| requires)?"
     "(?: has| used| only| just| exactly| already| a| an)* ?"
 )
 
@@ -142,7 +142,7 @@ def fact_said(
     if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
         return fact_of("order", own)
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
-    return fact_of("order", methods_named(found[1])) if found and only else None
+    return fact_of("order", _own_name(found[1])) if found and only else None
 
 
 def _limit_said(
@@ -167,9 +167,11 @@ def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
     flat = re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", re.sub("[-\n]", " ", before))
     name = _behind_name(_VERBS).search(flat)
     if unit and unit[1]:
-        return fact_of("stages", methods_named(name[1])) if name else None
-    named = {key: METHODS.get(key) for key in methods_named(name[1] if name else "")}
+        return fact_of("stages", _own_name(name[1])) if name else None
+    named = {key: METHODS.get(key) for key in (_own_name(name[1]) if name else ())}
     schemes = {key: scheme for key, scheme in named.items() if getattr(scheme, "explicit", True)}
+    if re.match(r"[^.;,]*\bwith\b", after):  # an estimate of the error
+        return None
     if not (unit or _EVALUATIONS.search(before)) or not all(isinstance(x, RungeKutta) for x in schemes.values()):
         return None
     fact = fact_of("evaluations_per_step", schemes)
@@ -177,6 +179,11 @@ def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
         return fact
     count = next(iter(counts_of_steps(before)[::-1]), steps)
     return f"{count}*{fact}" if count and fact else None
+
+
+def _own_name(name: str) -> set[str]:
+    """The methods that a name means; "a Runge-Kutta method of order two" is of a family."""
+    return set() if re.fullmatch(r"(?:explicit )?runge[- ]kutta(?: method)?", name) else methods_named(name)
 
 
 @cache
@@ -197,4 +204,7 @@ def fact_of(fact: str, methods: Iterable[str]) -> str | None:
             return None
         with suppress(ValueError):
             found[key] = value(f"{fact} {key}").exact
+        with suppress(ValueError):  # a last stage that is the first one of the next step counts or not
+            if fact == "stages" and value(f"evaluations_per_step {key}").exact != found[key]:
+                return None
     return f"{fact} {keys[0]}" if len({*found.values()}) == 1 and len(found) == len(keys) else None

@@ -143,10 +143,12 @@ class Suggestions(LookAlikes):
         return False
 
     def _is_safe(self, number: TextNumber, fact: str, limit: Fraction) -> bool:
-        """True for a bound of step sizes that is no limit but right: one cut off, or of two digits on its safe side."""
+        """True for a bound of step sizes that is right and no limit: cut off, of two digits, or 1 in 20 away."""
         x, last = number.value, Fraction(1, 10 ** (number.places or 0))
         before, _ = sentence_around(self._lower, number.start, number.end)
-        safe = is_on_the_safe_side(before, x, limit) and (len(digits_of(number.text)) < 3 or abs(x - limit) <= last)
+        safe = is_on_the_safe_side(before, x, limit) and (
+            len(digits_of(number.text)) < 3 or abs(x - limit) <= last or 20 * abs(x - limit) > limit
+        )
         return is_bound(before) and safe
 
     def _methods_beside(self, number: TextNumber) -> set[str]:

@@ -16,13 +16,13 @@ from driftproof.texts.readers.columns import with_columns_parted
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.jupyter import notebook_blocks
 from driftproof.texts.readers.markdown import markdown_blocks
-from driftproof.texts.readers.mediawiki import TABLE, mediawiki_blocks
+from driftproof.texts.readers.mediawiki import WIKI_TABLE, mediawiki_blocks
 from driftproof.texts.readers.restructured import restructured_blocks
 from driftproof.texts.readers.source_text import PROSE, Block, Insertion, SourceText, joined
 from driftproof.texts.readers.tex import tex_blocks
 
 READERS: dict[str, Callable[[SourceText], list[Block]]] = {
-    "plain": lambda source: mediawiki_blocks(source) if TABLE.search(source.text) else [Block(PROSE, source)],
+    "plain": lambda source: mediawiki_blocks(source) if WIKI_TABLE.search(source.text) else [Block(PROSE, source)],
     "markdown": markdown_blocks,
     "html": html_blocks,
     "rst": restructured_blocks,

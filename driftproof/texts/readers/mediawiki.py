@@ -28,7 +28,7 @@ _STRESS = re.compile("'{2,5}")
 _LINE_MARK = re.compile(
     r"^(?:(?P<level>={1,6})[ \t]*(?P<a>[^\n]*?)[ \t]*(?P=level)[ \t]*$|[:;*#]+[ \t]*)", re.MULTILINE
 )
-TABLE = re.compile(r"^[ \t:]*\{\|[^\n]*\n(?P<body>.*?)^[ \t]*\|\}", re.DOTALL | re.MULTILINE)
+WIKI_TABLE = re.compile(r"^[ \t:]*\{\|[^\n]*\n(?P<body>.*?)^[ \t]*\|\}", re.DOTALL | re.MULTILINE)
 _CELL = re.compile(r"\|\||!!")
 _ATTRIBUTES = re.compile(r"[^|\[\]{}]*?=[^|\[\]]*\|(?!\|)")
 _SPAN = re.compile(r"\b(?P<which>col|row)span\s*=\s*[\"']?(?P<n>[1-9])\b")
@@ -62,7 +62,7 @@ def _prose(text: SourceText) -> SourceText:
         if text.text == before:
             break
     text = text.rewritten(_LINK, lambda match: [match.span("a" if match["b"] is None else "b")])
-    text = text.removed(_STRESS).rewritten(TABLE, _rows)
+    text = text.removed(_STRESS).rewritten(WIKI_TABLE, _rows)
     text = text.rewritten(_LINE_MARK, lambda match: [match.span("a")] if match["level"] else [])
     text = text.rewritten(TAG, tag_pieces).rewritten(ENTITY, lambda match: [html.unescape(match[0])])
     return unshielded(text)

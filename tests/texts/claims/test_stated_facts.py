@@ -42,6 +42,11 @@ from driftproof.texts.readers.numbers import numbers_in
         ("RK4 with h = 1/4 has [fifteen] evaluations up to t = 1.", "4*evaluations_per_step rk4", "sixteen"),
         ("Velocity Verlet needs [one] evaluation per step.", None, None),  # or two
         ("RK4 is one of [four] methods.", None, None),
+        ("A Runge-Kutta method of order [two] is cheap.", None, None),
+        ("The Dormand-Prince method has [six] stages.", None, None),  # or seven
+        ("Heun with [three] stages has order three.", None, None),
+        ("RK4 needs [5] evaluations per step with an error estimate.", None, None),
+        ("RK4 on y' = -50y needs h ≤ [0.0125] for three digits.", "real_limit rk4 / 50", None),
     ],
 )  # fmt: skip
 def test_a_sentence_gives_a_fact_that_its_number_is_or_is_a_slip_for(text, fact, slip):
