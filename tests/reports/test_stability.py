@@ -11,7 +11,8 @@ import driftproof
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports.stability import _limit_text, _seen_text, behaviour, stability_text
+from driftproof.reports.stability import behaviour
+from driftproof.reports.stability_tables import stability_text
 from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import exactly
 
@@ -29,24 +30,6 @@ def test_limits_proved_and_seen_stand_side_by_side(answer):
     assert "h < 1/500 = 0.002" in out
     assert re.search(r"\nradau_iia2 +every h > 0 +up to \S+, the largest tried ", out)
     assert re.search(r"\nrk4 .* up to 0\.002828427\d+ ", out)
-
-
-@pytest.mark.parametrize(
-    ("exact", "decimal", "shown"),
-    [
-        *(("1" * 24, "7.50", f"{'1' * 24} = 7.5"), ("1" * 25, "7.50", "7.5"), ("20", "20.000", "20")),
-        *((None, "0.1234567891", "0.1234567891"), (None, "0.12345678912", "0.1234567891..."), (None, "200", "200")),
-    ],
-)
-def test_a_limit_has_twelve_characters_at_most_beside_an_exact_one_of_24(exact, decimal, shown):
-    assert _limit_text({"limit": {"exact": exact, "decimal": decimal}, "attained": False}) == f"h < {shown}"
-
-
-def test_where_growth_is_seen_has_ten_digits_and_an_end_of_the_search_four():
-    seen = [("0.12345678912", "0.2"), ("0.0", "0.123456"), ("1.23456", "inf")]
-    shown = ["up to 0.1234567891", "growth at 0.1235, the smallest tried", "up to 1.235, the largest tried"]
-    assert [_seen_text({"bounded": low, "grows": high}) for low, high in seen] == shown
-    assert _seen_text({"bounded": "2171.78", "grows": "2180"}, by_rounding=True) == "up to 2172, where rounding grows"
 
 
 def test_so_many_steps_are_run_and_no_more():
