@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import linecache
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
 from numbers import Rational
+from types import FrameType
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -16,6 +19,8 @@ from driftproof.methods.number_field import dyadic
 
 # A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
 Value: TypeAlias = Any
+# Whose lines are not the user's, and how much of one of these is quoted.
+_OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
 
 
 class Refused(ArithmeticError):
@@ -177,3 +182,12 @@ def analytic(name: str, x: Value) -> Value:
         return getattr(x, name)()
     except (ValueError, ZeroDivisionError):
         raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
+
+
+def running_line() -> str:
+    """The line of the user's code that is running, where it can be read, as the end of a sentence."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OURS:
+        frame = frame.f_back
+    line = "" if frame is None else linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()
+    return f" in {line[:_LONGEST_LINE]!r}" if line else ""
