@@ -67,11 +67,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1279,
     "methods": 5547,
-    "symbolic": 10900,
-    "numeric": 4350,
+    "symbolic": 10926,
+    "numeric": 4354,
     "blackbox": 22117,
     "enclosure": 4970,
-    "texts": 10287,
+    "texts": 10288,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5998
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -162,8 +162,7 @@ def run_multistep(
             start[d] = states[k - 1][d] - base[d]
         if table.implicit != 0:
             equations = Equations(i * h, base, h, a, c, known)
-            plain = solved_group(writers, equations, start, moves, report, damped=False)
-            if not plain and not solved_group(writers, equations, start, moves, report, damped=True):
+            if not solved_group(writers, equations, start, moves, report):
                 report[newton.STATE], report[newton.STEP] = newton.UNSOLVED, i
                 return
         finite = True

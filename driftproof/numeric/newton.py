@@ -172,7 +172,7 @@ def _factored_newton_matrix(
     return factored(m, order, len(m), layout.lower, layout.upper)
 
 
-def solved_group(
+def _solved_group(
     writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any, damped: bool
 ) -> bool:
     """Solve for the moves Z of one group of stages, from Z = start; report residual and iterations. True if solved.
@@ -229,6 +229,12 @@ def solved_group(
     return solved
 
 
+def solved_group(writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any) -> bool:
+    """Solve for the moves Z from Z = start, damped if it fails without damping; True if solved."""
+    plain = _solved_group(writers, equations, start, moves, report, damped=False)
+    return plain or _solved_group(writers, equations, start, moves, report, damped=True)
+
+
 def _group_equations(
     writers: FieldWriters, t: float, y: Any, h: float, table: StepTable, first: int, last: int, slopes: Any
 ) -> Equations:
@@ -258,8 +264,7 @@ def _take_step(writers: FieldWriters, t: float, y: Any, h: float, table: StepTab
         if _largest_entry(equations.a) > 0:
             # from the stage before: w may lie, where f is stiff, beyond another solution
             start = moves[first - 1] if first else writers.zeros(n)
-            plain = solved_group(writers, equations, start, found, report, damped=False)
-            if not plain and not solved_group(writers, equations, start, found, report, damped=True):
+            if not solved_group(writers, equations, start, found, report):
                 return UNSOLVED
             # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
             if last - first == 1:

@@ -8,9 +8,10 @@ import pytest
 from flint import arb, fmpq
 
 import driftproof
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports.stability import _limit_text, _seen_text, stability_text
+from driftproof.reports.stability import _limit_text, _seen_text, behaviour, stability_text
 from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import exactly
 
@@ -167,6 +168,8 @@ def test_methods_of_several_states_and_with_a_jacobian_have_limits_factors_and_s
         r"first values of bdf2: steps of radau_iia2",
     ):
         assert re.search(rf"^{line}", out, re.M), line
+    trapezoid = Multistep("trapezoid", "", 2, "", rho=(-1, 1), sigma=(Fraction(1, 2), Fraction(1, 2)))
+    assert behaviour(trapezoid, PROBLEMS["dahlquist_1e3"]) == "a_stable"
     assert [entry.get("started") for entry in stability("kaps", "bdf3,rodas4")] == ["radau_iia3", None]
     assert [entry["fewest_steps"] for entry in stability("kaps", "bdf3,rodas4")] == [3, 1]
 

@@ -91,7 +91,9 @@ class MultistepSystemFacts(LinearSystem):
             return NEVER
         if place == ZERO_ROOT:
             return ALWAYS
-        if not isinstance(place, Imaginary) and real > 0 and facts.order >= 1:
+        if facts.order < 1:
+            raise UndecidedLimitError("the method is not consistent")
+        if not isinstance(place, Imaginary) and real > 0:
             return NEVER  # the ζ that tends to 1 is 1 + hλ + O(h²)
         if block > 1:
             raise UndecidedLimitError("no procedure decides the limit of a multistep method for a Jordan block")
@@ -99,11 +101,11 @@ class MultistepSystemFacts(LinearSystem):
             return ALWAYS
         if isinstance(place, Imaginary):
             return self._scaled(facts.imaginary_limit, place.size, squared=True)
-        if isinstance(place, RealRoot) and facts.real_limit is not None and real < 0:
+        if isinstance(place, RealRoot) and facts.real_limit is not None:
             return self._scaled(facts.real_limit, place.negated(), squared=False)
         if isinstance(place, Complex) and facts.sector is not None and not isinstance(facts.sector.tan, Infinity):
             slope = lambda: abs(place.ball().imag / place.ball().real)
-            if real < 0 and is_less(slope, facts.sector.tan.ball):
+            if is_less(slope, facts.sector.tan.ball):
                 return ALWAYS
         raise UndecidedLimitError("no procedure decides the limit for a complex eigenvalue outside the sector")
 

@@ -86,7 +86,7 @@ def test_a_limit_that_is_not_decided_says_why_but_a_step_is_decided(key, text, w
 
 def test_roots_on_the_circle_are_a_factor_of_exactly_one_but_for_a_jordan_block():
     leapfrog = facts("two_step_leapfrog", "0 1; -1 0")
-    assert leapfrog.stiffest_factor(Q(1, 3)) == 1
+    assert leapfrog.stiffest_factor(Q(1, 3)) == leapfrog.stiffest_factor(Q(1)) == 1
     assert leapfrog.bounded_at(Q(1, 3)) is not leapfrog.bounded_at(Q(1))  # i is a double root
     with pytest.raises(UndecidedLimitError, match="unit circle"):
         facts("two_step_leapfrog", "0 1 1 0; -1 0 0 1; 0 0 0 1; 0 0 -1 0").bounded_at(Q(1, 3))
@@ -100,6 +100,17 @@ def test_a_common_factor_is_not_looked_past():
     for ask in (lambda: found.step_limit, lambda: found.bounded_at(Q(1))):
         with pytest.raises(UndecidedLimitError, match="common factor"):
             ask()
+
+
+@pytest.mark.parametrize("rate", [-1, 1])
+def test_what_is_not_zero_stable_has_no_limit_and_what_is_not_consistent_none_that_is_decided(rate):
+    growing = Multistep("growing", "", 1, "", rho=(2, -3, 1), sigma=(-1, 0, 0))  # ζ = 2 for every h that tends to 0
+    assert MultistepSystemFacts(growing, [[Q(rate)]]).step_limit == NEVER
+    assert MultistepSystemFacts(growing, [[Q(0)]]).step_limit == NEVER
+    backward = Multistep("backward", "", 0, "", rho=(-1, 1), sigma=(-1, 0))  # ζ = 1 - hλ
+    with pytest.raises(UndecidedLimitError, match="not consistent"):
+        assert MultistepSystemFacts(backward, [[Q(rate)]]).step_limit
+    assert MultistepSystemFacts(backward, [[Q(rate)]]).bounded_at(Q(1)) is (rate == 1)
 
 
 def test_at_infinity_the_roots_are_those_of_sigma():
