@@ -60,7 +60,7 @@ class Overlapping(Refused):
 TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
 
 
-def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
+def not_smooth(t: Fraction | float, obstacle: Refused | None, *, at_start: bool = False) -> Refused:
     """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from what f refuses ahead."""
     near = f"near t = {float(t):.9g}"
     if isinstance(obstacle, ZeroByZero):
@@ -69,7 +69,8 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if isinstance(obstacle, Overlapping):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
+        way = "as it starts there, write f as it is on the side to which the solution goes" if at_start else TWO_RUNS
+        return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {way}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
 

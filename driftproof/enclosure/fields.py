@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from contextvars import ContextVar
 from copy import copy
 from functools import partial
 from inspect import signature
@@ -25,6 +26,8 @@ from driftproof.support.plain_text import counted
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
 
+# Whether f wrote into its y since this was last set to False.
+WRITTEN = ContextVar("f wrote into y", default=False)
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
 # Lists and objects within others count for so many of these.
@@ -43,9 +46,9 @@ def enclosed_values(
     name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
 ) -> list[Enclosed]:
     """The values of a user's function of an array, in the arithmetic of y. Raises Refused if it cannot run in it."""
-    refusals = Refused.made
+    refusals, given = Refused.made, array_of(y)
     try:
-        values = np.asarray(function(array_of(y)), dtype=object).ravel()
+        values = np.asarray(function(given), dtype=object).ravel()
     except Refused:
         raise
     except Exception as error:  # a user's function may raise anything
@@ -59,6 +62,8 @@ def enclosed_values(
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         said += f"; y has {counted(len(y), 'component')}" if "unpack" in said or "index" in said else ""
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
+    if any(x is not own for x, own in zip(given, y, strict=True)):
+        WRITTEN.set(True)
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
     made = (enclosed(evaluation, x) for x in values)

@@ -23,7 +23,7 @@ def _square(t: Enclosed, duty: Any = 0.5) -> Any:
 
 
 def _sawtooth(t: Enclosed, width: Any = 1) -> Any:
-    """From -1 to 1 on the first part of each period, and back on the rest."""
+    """A rise to 1 on the first part of each period, and a fall to -1 on the rest."""
     now, w = t % (2 * _PI), _part(width)
     if w == 1 or (w != 0 and now < w * 2 * _PI):
         return now / (_PI * w) - 1
