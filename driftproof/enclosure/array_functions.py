@@ -47,7 +47,7 @@ def _sign(x: Any) -> Any:
     return enclosed(x.evaluation, x.sign()) if isinstance(x, Enclosed) else np.sign(x)
 
 
-def _among(given: Any, chosen: Any) -> Any:
+def among(given: Any, chosen: Any) -> Any:
     """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
     held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
     return chosen if held is None or isinstance(chosen, tuple | list) else enclosed(held.evaluation, chosen)
@@ -57,23 +57,23 @@ def chosen_by(choose: Callable[..., Any]) -> Callable[..., Any]:
     """The builtin max or min."""
 
     def chosen(*arguments: Any, **options: Any) -> Any:
-        among = list(arguments[0]) if len(arguments) == 1 else arguments
-        return _among(among, choose(among, **options))
+        given = list(arguments[0]) if len(arguments) == 1 else arguments
+        return among(given, choose(given, **options))
 
     return chosen
 
 
 def _selecting(choose: Any) -> Callable[..., Any]:
     """numpy.maximum and its like, with its methods reduce and accumulate."""
-    chosen: Any = lambda *among: _among(among, choose(*among))
+    chosen: Any = lambda *given: among(given, choose(*given))
     for name in ("reduce", "accumulate"):
         if (method := getattr(choose, name, None)) is not None:
             setattr(chosen, name, partial(_chosen_along, method))
     return chosen  # type: ignore[no-any-return]
 
 
-def _chosen_along(method: Callable[..., Any], among: Any, *axis: Any, **options: Any) -> Any:
-    return _among([among], method(among, *axis, **options))
+def _chosen_along(method: Callable[..., Any], given: Any, *axis: Any, **options: Any) -> Any:
+    return among([given], method(given, *axis, **options))
 
 
 class _Floats(type):
@@ -146,9 +146,7 @@ class _Numpy(ModuleType):
         if name in SELECTING:
             return _selecting(value)
         if name in _OF_TWO:
-            return lambda *given: value(
-                *(_among(given, x if isinstance(x, Enclosed) else np.asarray(x)) for x in given)
-            )
+            return lambda *given: value(*(among(given, x if isinstance(x, Enclosed) else np.asarray(x)) for x in given))
         if name not in _FILLED_WITH_FLOATS:
             return value
 
@@ -182,7 +180,7 @@ class _Numpy(ModuleType):
         """numpy.gradient, which enclosed numbers have in a row at equal distances."""
         if not holds_enclosed(f):
             return np.gradient(f, *spacing, **options)
-        row, h = np.asarray(f), spacing[0] if spacing else 1
+        row, h = among([f], np.asarray(f)), spacing[0] if spacing else 1
         if options or len(spacing) > 1 or np.ndim(h) or row.ndim != 1 or len(row) < 2:
             raise Refused("f takes numpy.gradient of more than a row at equal distances, which has no enclosure")
         inner = (row[2:] - row[:-2]) / (2 * h)
@@ -243,7 +241,7 @@ class _Numpy(ModuleType):
                 raise Refused("f gives numpy.linalg.solve several matrices; solve with one at a time")
             if not holds_enclosed(matrix):
                 doubles = np.array(matrix, dtype=float)
-                return _inverse(doubles.tobytes(), len(doubles)) @ right
+                return _inverse(doubles.tobytes(), len(doubles)) @ among([right], right)
             return _eliminated(matrix, right)
 
         @staticmethod

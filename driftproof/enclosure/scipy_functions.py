@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.array_functions import holds_enclosed
+from driftproof.enclosure.array_functions import among, holds_enclosed
 from driftproof.enclosure.data import spline_at
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.numbers import Enclosed, exact_value
@@ -105,6 +105,7 @@ class Sparse:
         x = x.toarray() if isinstance(x, Sparse) or is_sparse(x) else np.asarray(x)
         if x.shape[0] != self.shape[1]:
             raise ValueError(f"a matrix of {self.shape[1]} columns times {x.shape[0]} rows")
+        x = among((x, self._numbers), x)  # or products of doubles would be rounded
         made = np.zeros((self.shape[0], *x.shape[1:]), dtype=object)
         for i, j, a in zip(*self._places, self._numbers, strict=True):
             made[i] = made[i] + a * x[j]
