@@ -176,13 +176,16 @@ def largest_bounded(
     return low, inf
 
 
-def bounded_again(is_bounded: Callable[[float], bool], grows: float) -> tuple[float, ...]:
-    """The first h above `grows` with bounded powers and the last before they grow again, seen at AGAIN h up to 4 grows.
+def bounded_again(is_bounded: Callable[[float], bool], grows: float, largest: float) -> tuple[float, ...]:
+    """The first h above `grows` with bounded powers and the last before they grow again, up to `largest`.
 
-    Both are found by bisection; () if no look finds bounded powers, one number if none finds growth after them.
+    Seen at AGAIN h up to 4 grows and then at powers of two times that, and found by bisection; () if no look finds
+    bounded powers, one number if none finds growth after them.
     """
-    ends, low = list[float](), grows
-    for high in (grows * (1 + 3 * k / AGAIN) for k in range(1, AGAIN + 1)):
+    ends, low, looks = list[float](), grows, [grows * (1 + 3 * k / AGAIN) for k in range(1, AGAIN + 1)]
+    while looks[-1] < largest / 2:
+        looks.append(2 * looks[-1])
+    for high in looks:
         if len(ends) < 2 and is_bounded(high) is not bool(ends):
             ends.append(_change(is_bounded, low, high)[1 - len(ends)])
         low = high

@@ -27,6 +27,7 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits, largest_state_size
 from driftproof.numeric.stability import (
+    LARGEST,
     Observed,
     bounded_again,
     fewest_steps,
@@ -60,6 +61,8 @@ _Rounded = TypeVar("_Rounded")
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 _DIGITS = 6
+# Characters of an exact number that is shown in a table.
+_LONGEST_EXACT = 24
 # The most steps of a run in the search for the fewest, of an explicit and of an implicit method, whose steps take a
 # thousand times as long; and the most steps of a run that is shown.
 _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
@@ -128,12 +131,14 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
         **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
         "expected": expected_of(problem, method),
         **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
-        "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
+        "runs": [_run_answer(problem, method, runs, found, steps) for steps in counts],
     }
 
 
 def expected_of(problem: Problem, method: Entry) -> str:
     """What the problem says is expected of methods of this kind; "" if nothing."""
+    if isinstance(method, Multistep) and not MultistepFacts(method).zero_stable:
+        return "is not zero-stable: errors of its runs grow without bound as h tends to 0"
     return "" if isinstance(method, Additive) else problem.expected.get(behaviour(method, problem), "")
 
 
@@ -185,8 +190,9 @@ def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
         step, components = runs.of_all, components * runs.method.steps
     is_bounded = lambda h: stays_bounded(step, components, h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
-    low, high = largest_bounded(is_bounded, 1 / float(norm), float(proved))
-    again = bounded_again(is_bounded, high) if low and isfinite(high) else ()
+    scale = 1 / float(norm)
+    low, high = largest_bounded(is_bounded, scale, float(proved))
+    again = bounded_again(is_bounded, high, scale * 2**LARGEST) if isfinite(high) else ()
     return {
         **limit,
         "at_infinity": _at_infinity_text(found.at_infinity()),
@@ -210,7 +216,7 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
 
 def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     start, extent = float_start(problem), largest_state_size(problem)
-    least = method.steps if isinstance(method, Multistep) else 1  # fewer are those of another method
+    least = _least_steps(method)
 
     def follows(steps: int) -> bool:
         if steps < least:
@@ -222,7 +228,12 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
+def _least_steps(method: Entry) -> int:
+    """The steps of a run with a step of the method's own; those before them are of another method."""
+    return method.steps if isinstance(method, Multistep) else 1
+
+
+def _run_answer(problem: Problem, method: Entry, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
     h = step_times(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -234,6 +245,7 @@ def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, ste
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
         "lost": error > largest_state_size(problem),
+        **({"only": runs.start_method.key} if steps < _least_steps(method) and isinstance(runs, MultistepRun) else {}),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }
 
@@ -292,21 +304,27 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
         return f"{title}\n\n{table(rows, right=(1, 2))}"
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
-        rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
-    note = "observed: the powers of the float step's matrix stay below 1e9"
-    note += "\nR(oo): of a multistep method the size of the largest root of sigma" * any(
-        "started" in x for x in entries
-    )
-    return f"The step sizes h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
+        seen = _seen_text(entry["seen"], by_rounding=entry["limit"] == "oo")
+        rows.append([entry["method"], _limit_text(entry), seen, _short(entry["at_infinity"]) or "none"])
+    notes = ["proved: for every h from 0 on; what is bounded again beyond is only observed"]
+    notes += ["observed: the powers of the float step's matrix stay below 1e9"]
+    if any("started" in entry for entry in entries):
+        notes.append("R(oo): of a multistep method the size of the largest root of sigma")
+    return "\n".join(["The step sizes h whose powers stay bounded\n", f"{table(rows)}\n", *notes])
+
+
+def _short(number: str | None) -> str | None:
+    """A long fraction as a decimal."""
+    return number if number is None or len(number) <= _LONGEST_EXACT else with_digits(float(Fraction(number)), _DIGITS)
 
 
 def _limit_text(entry: Json) -> str:
     limit = entry["limit"]
     if limit in ("0", "oo"):
-        return {"0": "no h > 0", "oo": "every h > 0"}[limit]
+        return {"0": "no small h", "oo": "every h > 0"}[limit]
     if "refused" in limit:
         return f"not decided: {limit['refused']}"
-    exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= 24 else None
+    exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= _LONGEST_EXACT else None
     digits, _, power = limit["decimal"].partition("e")
     digits = digits.rstrip("0").rstrip(".") if "." in digits else digits
     few = digits if len(digits) <= 12 else f"{digits[:12]}..."
@@ -314,13 +332,16 @@ def _limit_text(entry: Json) -> str:
     return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
 
 
-def _seen_text(seen: Json) -> str:
+def _seen_text(seen: Json, *, by_rounding: bool = False) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
     if high == inf:
         return f"up to {with_digits(low, 4)}, the largest tried"
-    again = [with_digits(float(h), 4) for h in seen.get("again", ())]
-    then = f", again from {' to '.join(again)}" if again else ""
-    return f"up to {with_digits(low, 10)}{then}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
+    if by_rounding:
+        return f"up to {with_digits(low, 4)}, where rounding grows"
+    again = f" from {' to '.join(with_digits(float(h), 4) for h in seen['again'])}" if "again" in seen else ""
+    if low:
+        return f"up to {with_digits(low, 10)}{f', again{again}' if again else ''}"
+    return f"growth at {with_digits(high, 4)}, the smallest tried{f'; bounded{again}' if again else ''}"
 
 
 def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
@@ -351,7 +372,7 @@ def _outcome(run: Json) -> str:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
         return "finite at t, but its error overflows binary64: lost"
-    error = f"error {with_digits(float(run['error']), 3)}"
+    error = f"error {with_digits(float(run['error']), 3)}" + (f" of {run['only']}, its start" if "only" in run else "")
     return f"{error}, larger than the solution: lost" if run["lost"] else error
 
 

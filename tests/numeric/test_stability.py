@@ -130,10 +130,11 @@ def test_growth_that_ends_before_the_next_power_of_two_is_not_jumped_over() -> N
     assert largest_bounded(gap, 1 / 3)[1] == 2.9894
     assert largest_bounded(gap, 1 / 3, 1.7259) == (nextafter(1.7259, 0.0), 1.7259)
     assert largest_bounded(gap, 1 / 3, 1.5)[1] == 2.9894  # a wrong limit moves nothing where no growth is seen
-    assert bounded_again(gap, 1.7259) == (nextafter(2.0238, inf), nextafter(2.9894, 0.0))
-    assert bounded_again(gap, 2.9894) == ()
-    assert bounded_again(lambda h: h > 3, 1.0) == (nextafter(3.0, inf),)
-    assert bounded_again(lambda h: h > 4, 1.0) == ()
+    assert bounded_again(gap, 1.7259, 8.0) == (nextafter(2.0238, inf), nextafter(2.9894, 0.0))
+    assert bounded_again(gap, 2.9894, 8.0) == ()
+    assert bounded_again(lambda h: h > 3, 1.0, 1.0) == (nextafter(3.0, inf),)
+    assert bounded_again(lambda h: h > 4, 1.0, 7.0) == ()
+    assert bounded_again(lambda h: 50 < h < 900, 1.0, 1e6) == (nextafter(50.0, inf), nextafter(900.0, 0.0))
 
 
 def test_weak_growth_is_seen_only_above_what_so_many_steps_show() -> None:
