@@ -66,11 +66,11 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5552,
+    "methods": 5555,
     "symbolic": 10923,
     "numeric": 4356,
     "blackbox": 22117,
-    "enclosure": 4970,
+    "enclosure": 5434,
     "texts": 10929,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6059

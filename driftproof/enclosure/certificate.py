@@ -120,9 +120,10 @@ class Certificate(Printable):
         if len(self.t) == len(self.y[0]):
             lines.append(f"there are as many times as components; y was read so that y({self.t[1]:g}) = {self.y[1]}")
         if self.doubles:
-            shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
-            said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")
-            lines.append(f"constants in f, each exactly this double: {said}")
+            few = len(self.doubles) <= _MOST_SHOWN  # more are those of a table or a matrix
+            said = ", ".join(map(repr, self.doubles[: _MOST_SHOWN if few else 3]))
+            count, more = ("", "") if few else (f"{len(self.doubles)} ", ", ...")
+            lines.append(f"{count}constants in f, each exactly this double: {said}{more}")
         lines += [self.said] if self.said else []
         return "\n".join(lines)
 

@@ -15,7 +15,7 @@ from flint import arb, ctx
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
-from driftproof.enclosure.fields import RightHandSide, enclosable
+from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
@@ -41,6 +41,7 @@ BITS_OF_EXACT_RUN, MOST_BITS_OF_EXACT_RUN = 256, 2**16
 ANOTHER_START = Fraction(1, 10**4)
 # If twice the bits lead further by less than this part of the whole time, f is the obstacle and not the precision.
 FURTHER = Fraction(1, 1000)
+_WRITES = "f writes into its y, from which a solver may go on; the solution that is enclosed does not"
 
 
 def certify(
@@ -118,7 +119,12 @@ def certificate_of(
     with ctx.workprec(BITS_AT_FIRST):
         require_reproduced_between(f, enclosable(f), run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
-    enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    WRITTEN.set(False)
+    try:
+        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    except Refused as refusal:
+        raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
+    said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else ""]))
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
     split = None if plan is None else _split(plan, run, true)
@@ -130,7 +136,7 @@ def certificate_of(
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
     found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
-    return replace(found, unknowns=unknowns, said=run.said)
+    return replace(found, unknowns=unknowns, said=said)
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count, pairwise
+from typing import Any
 
 from flint import arb, arb_poly, ctx
 
@@ -145,11 +146,11 @@ def _first_place(
     return b
 
 
-def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> Window | None:
+def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb], margin: arb | int = 0) -> Window | None:
     """A window that begins with [t, t + h], for solutions from the box; None if f is certain behind none.
 
     The set of solutions is as wide as the sides of f differ in the first h. It is followed, by times that grow, until f
-    is certain on a set many times as wide, as tubes are.
+    is certain on a set many times as wide as it and the margin together, as tubes are.
     """
     whole, end = list(box), t
     for k in range(FOLLOWED):
@@ -162,7 +163,7 @@ def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb]) -> W
             return None
         during, box = found
         whole, end = [x.union(y) for x, y in zip(whole, during, strict=True)], end + length
-        wide = CERTAIN * size(x.rad() for x in box)
+        wide = CERTAIN * (size(x.rad() for x in box) + margin)
         if _is_certain(f, end, [x + arb(0, wide.upper()) for x in box]):
             return Window(t, end - t, tuple(whole), tuple(box))
     return None
@@ -173,15 +174,17 @@ def _followed(
 ) -> tuple[Sequence[arb], Sequence[arb]] | None:
     """Balls of the solutions from the box during [t, t + h], and at its end; None if no rates are found to hold theirs.
 
-    While y(s) is in x + s R, y' is in the rates F there; if these lie inside R, y is in x + s F and cannot leave.
+    While y(s) is in x + s R, y' is in the rates F there; if these lie in R, y is in x + s F and cannot leave. At the
+    end y is x and the integral of the rates, too, which shows where a solution goes that is at rest on a kink.
     """
-    length, rates = enclose(h), _rates_on_all_sides(f, t, h, box, [arb(0)] * len(box))
+    length, (rates, _) = enclose(h), _rates_on_all_sides(f, t, h, box, [arb(0)] * len(box))
     for _ in range(WIDENINGS):
         wider = [rate + arb(0, (abs(rate) * WIDER + arb(2) ** -ctx.prec).upper()) for rate in rates]
-        rates = _rates_on_all_sides(f, t, h, box, wider)
+        rates, means = _rates_on_all_sides(f, t, h, box, wider)
         if all(big.contains_interior(rate) for big, rate in zip(wider, rates, strict=True)):
             during = [x + rate * length * arb(0.5, 0.5) for x, rate in zip(box, rates, strict=True)]
-            return during, [x + rate * length for x, rate in zip(box, rates, strict=True)]
+            ends = [rate.intersection(mean) for rate, mean in zip(rates, means, strict=True)]
+            return during, [x + end * length for x, end in zip(box, ends, strict=True)]
     return None
 
 
@@ -245,18 +248,26 @@ def _constant(x: Value) -> Fraction | None:
 
 def _rates_on_all_sides(
     f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb], rates: Sequence[arb]
-) -> list[arb]:
+) -> tuple[list[arb], list[arb]]:
     """Balls of f on all x + s R, x in the box and 0 <= s <= h, whatever the outcomes of comparisons not decided there.
 
-    They are Taylor models in σ = s/h, so that a difference of two unknowns is as narrow as that of their rates.
+    They are Taylor models in σ = s/h, so that a difference of two unknowns is as narrow as that of their rates. The
+    second balls are of means over the time: at each, f is between the models of all outcomes.
     """
     length = enclose(h)
     along = [TaylorModel([x, rate * length], LENGTH) for x, rate in zip(box, rates, strict=True)]
 
-    def run(sides: Sequence[bool]) -> tuple[list[arb], Branching]:
+    def run(sides: Sequence[bool]) -> tuple[tuple[list[arb], list[TaylorModel]], Branching]:
         evaluation = _SomeSides(sides)
         time = Clock(evaluation, TaylorModel([enclose(t), length], LENGTH))
-        values = [rate.value for rate in enclosed_rates(f, time, [Enclosed(evaluation, x) for x in along])]
-        return [x.range() if isinstance(x, TaylorModel) else arb(x) for x in values], evaluation
+        found = enclosed_rates(f, time, [Enclosed(evaluation, x) for x in along])
+        models = [TaylorModel([arb(0)], LENGTH) + rate.value for rate in found]
+        return ([x.range() for x in models], models), evaluation
 
-    return on_all_branches(run, lambda _, one, other: [a.union(b) for a, b in zip(one, other, strict=True)])
+    def either(_: Any, one: Any, other: Any) -> Any:
+        pairs = zip(*((*each[0], *each[1]) for each in (one, other)), strict=True)
+        joined = [x.union(y) for x, y in pairs]
+        return joined[: len(box)], joined[len(box) :]
+
+    found, models = on_all_branches(run, either)
+    return found, [x.mean() for x in models]

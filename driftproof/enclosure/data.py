@@ -70,11 +70,11 @@ def spline_of(value: Any) -> Callable[..., Any] | None:
     if hasattr(value, "from_spline") and hasattr(value, "extrapolate"):
         return lambda x, *more: _of_pieces(value, x, *more)
     if hasattr(value, "extrapolate") and hasattr(value, "tck"):  # a BSpline
-        return lambda x: _of_basis(value.tck, x, value.extrapolate)
+        return lambda x: spline_at(value.tck, x, value.extrapolate)
     if hasattr(value, "bounds_error") and hasattr(value, "_kind"):  # an interp1d
         return lambda x: _of_points(value, x)
     if hasattr(value, "get_knots") and hasattr(value, "_eval_args"):  # a UnivariateSpline, which may end as a constant
-        return lambda x: _of_basis(value._eval_args, x, value.ext == 0)
+        return lambda x: spline_at(value._eval_args, x, value.ext == 0)
     return None
 
 
@@ -91,7 +91,7 @@ def _of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
     return total
 
 
-def _of_basis(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
+def spline_at(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
     """A sum of B-splines, of knots, coefficients and degree, by de Boor's recursion on the piece that x is in."""
     knots, coefficients, degree = of
     t, count = _Exact(knots), len(knots) - degree - 1
@@ -121,7 +121,7 @@ def _of_points(table: Any, x: Enclosed) -> Any:
     if table._kind.startswith("nearest"):
         return values[sorted_place(table.x_bds, x, table._side)]
     of_lines = ([knots[0], *knots, knots[-1]], values, 1)
-    return _of_basis(of_lines if table._kind == "linear" else table._spline.tck, x, extrapolate=True)
+    return spline_at(of_lines if table._kind == "linear" else table._spline.tck, x, extrapolate=True)
 
 
 def _within(x: Enclosed, first: Fraction, last: Fraction, extrapolate: Any) -> Any:

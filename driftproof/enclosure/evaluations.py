@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import linecache
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
 from numbers import Rational
+from types import FrameType
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -16,6 +19,8 @@ from driftproof.methods.number_field import dyadic
 
 # A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
 Value: TypeAlias = Any
+# Whose lines are not the user's, and how much of one of these is quoted.
+_OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
 
 
 class Refused(ArithmeticError):
@@ -55,7 +60,7 @@ class Overlapping(Refused):
 TWO_RUNS = "certify the points before it and those after it as two runs, each from its own first point"
 
 
-def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
+def not_smooth(t: Fraction | float, obstacle: Refused | None, *, at_start: bool = False) -> Refused:
     """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from what f refuses ahead."""
     near = f"near t = {float(t):.9g}"
     if isinstance(obstacle, ZeroByZero):
@@ -64,7 +69,8 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None) -> Refused:
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if isinstance(obstacle, Overlapping):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"
-        return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {TWO_RUNS}")
+        way = "as it starts there, write f as it is on the side to which the solution goes" if at_start else TWO_RUNS
+        return Refused(f"f compares numbers that are equal {near}; {said} touch or follow it; {way}")
     said = f"f or the solution has a pole, or f is not smooth, {near}"
     return Refused(f"{said}; if f jumps there, {TWO_RUNS}")
 
@@ -177,3 +183,12 @@ def analytic(name: str, x: Value) -> Value:
         return getattr(x, name)()
     except (ValueError, ZeroDivisionError):
         raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
+
+
+def running_line() -> str:
+    """The line of the user's code that is running, where it can be read, as the end of a sentence."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OURS:
+        frame = frame.f_back
+    line = "" if frame is None else linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()
+    return f" in {line[:_LONGEST_LINE]!r}" if line else ""

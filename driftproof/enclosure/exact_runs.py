@@ -11,9 +11,10 @@ from typing import Any
 
 from flint import arb, ctx
 
+from driftproof.enclosure.array_functions import array_of
 from driftproof.enclosure.clocks import exact_time
 from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
+from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
 from driftproof.enclosure.implicit_runs import implicit_step, rational_nodes
 from driftproof.enclosure.numbers import Enclosed, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST

@@ -5,8 +5,9 @@ from __future__ import annotations
 import builtins
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from contextvars import ContextVar
 from copy import copy
 from functools import partial
 from inspect import signature
@@ -15,25 +16,22 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.data import bin_of, interpolated, sorted_place, spline_of
+from driftproof.enclosure.array_functions import MATH, NUMPY, REPLACED, FloatOrEnclosed, array_of, chosen_by
+from driftproof.enclosure.data import spline_of
 from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.numbers import SELECTING, Enclosed, enclosed
+from driftproof.enclosure.numbers import Enclosed, enclosed
+from driftproof.enclosure.scipy_functions import OF_SCIPY, Sparse, is_sparse
 from driftproof.support.plain_text import counted
 
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
 
-# The functions of math that NumPy has by the same name, and those that it has by another name.
-_SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
-_OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
-_MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
-_FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
-_REPLACED = ("array", "asarray", "sign", "interp", "digitize", "searchsorted", *_FILLED_WITH_FLOATS, *SELECTING)
-_TO_INTEGERS = ("floor", "ceil", "trunc")
-# The answers for enclosed numbers that are finite.
-_OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
+# Whether f wrote into its y since this was last set to False.
+WRITTEN = ContextVar("f wrote into y", default=False)
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
+# Lists and objects within others count for so many of these.
+_OF_PARTS = 8
 
 
 def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
@@ -48,9 +46,9 @@ def enclosed_values(
     name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
 ) -> list[Enclosed]:
     """The values of a user's function of an array, in the arithmetic of y. Raises Refused if it cannot run in it."""
-    refusals = Refused.made
+    refusals, given = Refused.made, array_of(y)
     try:
-        values = np.asarray(function(array_of(y)), dtype=object).ravel()
+        values = np.asarray(function(given), dtype=object).ravel()
     except Refused:
         raise
     except Exception as error:  # a user's function may raise anything
@@ -64,18 +62,12 @@ def enclosed_values(
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         said += f"; y has {counted(len(y), 'component')}" if "unpack" in said or "index" in said else ""
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
+    if any(x is not own for x, own in zip(given, y, strict=True)):
+        WRITTEN.set(True)
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
     made = (enclosed(evaluation, x) for x in values)
     return [x for each in made for x in (each.ravel() if isinstance(each, np.ndarray) else (each,))]
-
-
-def array_of(values: Iterable[Any]) -> Any:
-    """An array of objects: NumPy would look into balls."""
-    listed = list(values)
-    made = np.empty(len(listed), dtype=object)
-    made[:] = listed
-    return made
 
 
 def time_first(f: RightHandSide) -> RightHandSide:
@@ -103,53 +95,108 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
         return known[id(value)]
     name = getattr(value, "__name__", None)
     if value is math:
-        return _MODULE_MATH
+        return MATH
     if value is np:
-        return _MODULE_NUMPY
+        return NUMPY
     if value is np.linalg:
-        return _MODULE_NUMPY.linalg
+        return NUMPY.linalg
     if isinstance(value, BuiltinFunctionType) and getattr(math, str(name), None) is value:
-        return getattr(_MODULE_MATH, str(name))
-    if isinstance(name, str) and name in _REPLACED and getattr(np, name, None) is value:
-        return getattr(_MODULE_NUMPY, name)
+        return getattr(MATH, str(name))
+    if isinstance(name, str) and name in REPLACED and getattr(np, name, None) is value:
+        return getattr(NUMPY, name)
+    if isinstance(value, _OfSciPy | Sparse):
+        return value
+    home = _home(value)
+    if (own := OF_SCIPY.get((home.partition("._")[0], str(name)))) is not None:
+        return own(value)
+    if spline_of(value) or (home and (isinstance(value, ModuleType) or home.startswith("scipy.interpolate."))):
+        return _OfSciPy(value)
+    if is_sparse(value):
+        return Sparse.of(value)
     if isinstance(value, MethodType):
-        return MethodType(_rebound(value.__func__, known, depth), _with_splines(value.__self__))
+        return MethodType(_rebound(value.__func__, known, depth), _rebound_parts(value.__self__, known, depth))
     if isinstance(value, partial):
-        return partial(_rebound(value.func, known, depth), *value.args, **value.keywords)
+        given = _rebound_parts(value.args, known, depth), _rebound_parts(value.keywords, known, depth)
+        return partial(_rebound(value.func, known, depth), *given[0], **given[1])
     if isinstance(value, FunctionType):
         foreign = (value.__module__ or "").partition(".")[0] in ("numpy", "driftproof")
         return value if foreign or depth > _DEEPEST_CALLS else _rebound_function(value, known, depth)
-    if (spline := spline_of(value)) is not None:
-        return lambda x, *more: spline(x, *more) if isinstance(x, Enclosed) else value(x, *more)
-    call = vars(type(value)).get("__call__")
-    if isinstance(call, FunctionType):
-        return MethodType(_rebound(call, known, depth), _with_splines(value))
-    return value
+    made, call = _rebound_parts(value, known, depth), vars(type(value)).get("__call__")
+    return MethodType(_rebound(call, known, depth), made) if isinstance(call, FunctionType) else made
 
 
-def _with_splines(owner: Any) -> Any:
-    """The object itself, or a copy whose splines take enclosed numbers."""
-    splines = {name: value for name, value in getattr(owner, "__dict__", {}).items() if spline_of(value)}
-    if not splines:
-        return owner
-    made = copy(owner)
-    vars(made).update({name: _rebound(value, {}, 0) for name, value in splines.items()})
-    return made
+def _home(value: Any) -> str:
+    """The module of SciPy that the value, its function or its class is of; else an empty string."""
+    if isinstance(value, np.ufunc):  # which knows no module
+        return "" if getattr(np, value.__name__, None) is value else "scipy.special"
+    of = value if hasattr(value, "__name__") else type(value)
+    home = str(value.__name__ if isinstance(value, ModuleType) else getattr(of, "__module__", ""))
+    return home if home.partition(".")[0] == "scipy" else ""
+
+
+def _rebound_parts(value: Any, known: dict[int, Any], depth: int) -> Any:
+    """A list, a tuple, a dict or an object; a copy of it if something in it has to take enclosed numbers."""
+    if id(value) in known or depth > _DEEPEST_CALLS:
+        return known.get(id(value), value)
+    plain = type(value) in (list, tuple, dict) or hasattr(value, "_fields")
+    parts = value if plain else getattr(value, "__dict__", None)
+    if not isinstance(parts, list | tuple | dict) or isinstance(value, ModuleType | type):
+        return value
+    known[id(value)] = changed = value
+    held = dict(parts if isinstance(parts, dict) else enumerate(parts))
+    made = {key: _rebound(x, known, depth + _OF_PARTS) for key, x in held.items()}
+    if any(made[key] is not x for key, x in held.items()):
+        if not plain:
+            changed = copy(value)
+            vars(changed).update(made if changed is not value else {})  # some are copied as themselves
+        elif isinstance(value, dict):
+            changed = made
+        else:
+            changed = getattr(value, "_make", type(value))(made.values())
+    known[id(value)] = changed
+    return changed
+
+
+class _OfSciPy:
+    """A spline of SciPy, or a module, class or function: what it makes and holds takes enclosed numbers, too."""
+
+    def __init__(self, value: Any) -> None:
+        self._value, self._spline = value, spline_of(value)
+
+    @property  # type: ignore[misc]
+    def __class__(self) -> Any:
+        """The type of what it stands for, of which f may ask."""
+        return type(self._value)
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        if self._spline is not None and isinstance(arguments[0], Enclosed):
+            return self._spline(*arguments, **options)
+        return _rebound(self._value(*arguments, **options), {}, 0)
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._value, name)
+        plain = isinstance(found, FunctionType) and (_home(found).partition("._")[0], name) not in OF_SCIPY
+        return found if plain else _rebound(found, {}, 0)
+
+    def __instancecheck__(self, x: Any) -> bool:
+        return isinstance(x, self._value)
 
 
 def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> FunctionType:
     # What several functions share, they share as copies: one may write what another reads.
     names = known.setdefault(id(f.__globals__), f.__globals__ | {"__builtins__": _BUILTINS})
     cells = tuple(known.setdefault(id(cell), CellType()) for cell in f.__closure__ or ())
-    copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
-    copy.__kwdefaults__, copy.__dict__ = f.__kwdefaults__, f.__dict__
+    copy = FunctionType(f.__code__, names, f.__name__, None, cells or None)
+    copy.__dict__ = f.__dict__
     known[id(f)] = copy  # before the functions that it calls, which may call it
+    copy.__defaults__ = _rebound_parts(f.__defaults__, known, depth)
+    copy.__kwdefaults__ = _rebound_parts(f.__kwdefaults__, known, depth)
     for cell, given in zip(cells, f.__closure__ or (), strict=True):
         with suppress(ValueError):  # the cell is empty
             cell.cell_contents = _rebound(given.cell_contents, known, depth + 1)
     for name in _names_of(f.__code__):
-        if name in names:
-            names[name] = _rebound(names[name], known, depth + 1)
+        if name in f.__globals__:
+            names[name] = _rebound(f.__globals__[name], known, depth + 1)
     return copy
 
 
@@ -159,149 +206,10 @@ def _names_of(code: Any) -> set[str]:
     return set(code.co_names).union(*(_names_of(each) for each in inner))
 
 
-def _holds_enclosed(values: Any) -> bool:
-    return any(isinstance(x, Enclosed) for x in np.ravel(values))
-
-
-def _sign(x: Any) -> Any:
-    return enclosed(x.evaluation, x.sign()) if isinstance(x, Enclosed) else np.sign(x)
-
-
-def _among(given: Any, chosen: Any) -> Any:
-    """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
-    held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
-    return chosen if held is None or isinstance(chosen, tuple | list) else enclosed(held.evaluation, chosen)
-
-
-def _chosen(choose: Callable[..., Any]) -> Callable[..., Any]:
-    """The builtin max or min."""
-
-    def chosen(*arguments: Any, **options: Any) -> Any:
-        among = list(arguments[0]) if len(arguments) == 1 else arguments
-        return _among(among, choose(among, **options))
-
-    return chosen
-
-
 def _imported(*arguments: Any, **options: Any) -> Any:
     """What an import in the body of f finds."""
     return _rebound(builtins.__import__(*arguments, **options), {}, 0)
 
 
-_BUILTINS = vars(builtins) | {"max": _chosen(max), "min": _chosen(min), "__import__": _imported}
-
-
-def _as_finite(name: str, x: Any) -> bool:
-    """The answer of isfinite and its like. Raises Refused for a ball that is not finite."""
-    if isinstance(x, Enclosed) and not getattr(x.value, "is_finite", bool)():
-        raise Refused(f"f takes {name} of a number that may have no value")
-    return _OF_FINITE[name]
-
-
-class _Math(ModuleType):
-    """The module math, whose functions also take enclosed numbers."""
-
-    def __getattr__(self, name: str) -> Any:
-        plain = getattr(math, name)
-        if not callable(plain):
-            return plain
-        if name == "fsum":
-            return lambda among: sum(given) if _holds_enclosed(given := [*among]) else math.fsum(given)
-
-        def function(*arguments: Any) -> Any:
-            evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
-            if not evaluations:
-                return plain(*arguments)
-            if name in _TO_INTEGERS:
-                return plain(arguments[0])
-            if name == "fmod" and isinstance(first := arguments[0], Enclosed):
-                return first.fmod(arguments[1])
-            if name == "pow":
-                return arguments[0] ** arguments[1]
-            arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
-            if name in _OF_FINITE:
-                return _as_finite(name, arguments[0])
-            if name not in _MATH:
-                raise Refused(f"f uses math.{name}, which has no enclosure")
-            if name == "log" and len(arguments) == 2:
-                return arguments[0].log() / arguments[1].log()
-            return getattr(np, _MATH[name])(*arguments)
-
-        return function
-
-
-class _Numpy(ModuleType):
-    """The module numpy, whose new arrays can hold enclosed numbers."""
-
-    def __getattr__(self, name: str) -> Any:
-        value = getattr(np, name)
-        if name in _OF_FINITE:
-            return lambda x: np.vectorize(partial(_as_finite, name))(x)[()] if _holds_enclosed(x) else value(x)
-        if name in SELECTING:
-            return lambda *among: _among(among, value(*among))
-        if name not in _FILLED_WITH_FLOATS:
-            return value
-
-        def filled(*arguments: Any, **options: Any) -> Any:
-            if options.get("dtype") in (float, np.float64, "float", "float64"):
-                del options["dtype"]
-            made = value(*arguments, **options)
-            return made.astype(object) if made.dtype == float else made
-
-        return filled
-
-    @staticmethod
-    def array(values: Any, dtype: Any = None, **options: Any) -> Any:
-        """numpy.array, with dtype object if there are enclosed numbers among the values."""
-        made = np.array(values, dtype=object, **options)
-        if not _holds_enclosed(made):
-            return np.array(values, dtype=dtype, **options)
-        if dtype is not None and np.dtype(dtype) not in (np.dtype(float), np.dtype(object)):
-            raise Refused(f"f makes an array of type {np.dtype(dtype)}, which has no enclosure")
-        return made
-
-    asarray = array
-
-    @staticmethod
-    def clip(x: Any, least: Any, most: Any) -> Any:
-        """numpy.clip, of which None for a bound has no enclosure."""
-        return _MODULE_NUMPY.minimum(_MODULE_NUMPY.maximum(x, least), most)
-
-    @staticmethod
-    def sign(x: Any) -> Any:
-        """numpy.sign, whose loop over objects asks three times for what one comparison or two decide."""
-        return np.vectorize(_sign, otypes=[object])(x)[()] if _holds_enclosed(x) else np.sign(x)
-
-    @staticmethod
-    def interp(x: Any, *points: Any, **options: Any) -> Any:
-        """numpy.interp, which enclosed numbers have at a single number."""
-        return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
-
-    @staticmethod
-    def digitize(x: Any, *bins: Any, **options: Any) -> Any:
-        """numpy.digitize, also at a single enclosed number."""
-        return (bin_of if isinstance(x, Enclosed) else np.digitize)(x, *bins, **options)
-
-    @staticmethod
-    def searchsorted(a: Any, v: Any, *side: Any, **options: Any) -> Any:
-        """numpy.searchsorted, also at a single enclosed number."""
-        return (
-            sorted_place(a, v, *side, **options) if isinstance(v, Enclosed) else np.searchsorted(a, v, *side, **options)
-        )
-
-    class _Linalg(ModuleType):
-        """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm of a vector only."""
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(np.linalg, name)
-
-        @staticmethod
-        def norm(x: Any, *arguments: Any, **options: Any) -> Any:
-            if arguments or options or not _holds_enclosed(x):
-                return np.linalg.norm(x, *arguments, **options)
-            return np.sqrt(sum(each * each for each in np.ravel(x)))
-
-    linalg = _Linalg("numpy.linalg")
-
-
-_MODULE_MATH, _MODULE_NUMPY = _Math("math"), _Numpy("numpy")
+_OWN = {"max": chosen_by(max), "min": chosen_by(min), "float": FloatOrEnclosed, "__import__": _imported}
+_BUILTINS = vars(builtins) | _OWN

@@ -55,6 +55,16 @@ class TaylorModel:
         first = self.coefficient(0)
         return first, first + arb_poly(self.polynomial.coeffs()[1:])(STEP) + arb(0, self.tail)
 
+    def union(self, other: TaylorModel) -> TaylorModel:
+        """A model that has, at each σ, all that is between the two: their coefficients are in its own."""
+        pairs = ((self.coefficient(k), other.coefficient(k)) for k in range(self.length))
+        return TaylorModel([x.union(y) for x, y in pairs], self.length, self.tail.max(other.tail))
+
+    def mean(self) -> arb:
+        """A ball of the mean over 0 <= σ <= 1, also of a function that the model contains at each σ only."""
+        parts = (self.coefficient(k) / (k + 1) for k in range(self.length))
+        return sum(parts, arb(0)) + arb(0, self.tail)
+
     def within(self, rest: arb) -> TaylorModel:
         """The model plus any function whose norm is at most `rest`."""
         around = arb(0, rest.upper())

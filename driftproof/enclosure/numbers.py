@@ -18,17 +18,17 @@ from typing import Any, cast
 import numpy as np
 from flint import arb, arb_series
 
-from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero
+from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
 from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of, times
 from driftproof.methods.number_field import dyadic
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
-    """The operation with its second operand lifted; NotImplemented for an array, which applies it to each entry."""
+    """The operation with its second operand lifted; NotImplemented for arrays and matrices, which do it themselves."""
 
     @wraps(operation)
     def lifting(x: Enclosed, other: object) -> Any:
-        if isinstance(other, np.ndarray):
+        if isinstance(other, np.ndarray) or getattr(other, "__array_ufunc__", x) is None:
             return NotImplemented
         lifted = other if isinstance(other, Enclosed) else Enclosed(x.evaluation, x.evaluation.constant(other))
         return operation(x, lifted)
@@ -182,9 +182,11 @@ class Enclosed:
         return self if self > 0 else -self
 
     def __float__(self, *_: object) -> float:
-        """Raise Refused: an enclosure is not a float."""
-        said = "f converts a number to a float; use functions of NumPy or math, not float(), and make arrays in f"
-        raise Refused(f"{said}; SciPy's splines in one variable have an enclosure where f calls them by their name")
+        """Raise Refused, with the line of f that wants it: an enclosure is not a float."""
+        said = (
+            f"f converts a number to a float{running_line()}; what has an enclosure are functions of NumPy and math, "
+        )
+        raise Refused(f"{said}SciPy's splines in one variable, and arrays that f makes itself")
 
     __index__ = __complex__ = cast(Any, __float__)
 
@@ -254,7 +256,7 @@ class Enclosed:
         """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
-        if ufunc.__name__ in ("copysign", "exprel", "fmod", "heaviside", "sign"):  # which have no loop over objects
+        if ufunc.__name__ in _WITHOUT_LOOP:
             call = lambda first, *more: getattr(enclosed(self.evaluation, first), ufunc.__name__)(*more)
             return enclosed(self.evaluation, np.vectorize(call, otypes=[object])(*inputs))
         try:
@@ -294,6 +296,11 @@ class Enclosed:
         return 1 if self > 0 else -1 if self < 0 else 0
 
     @_lifts_other
+    def xlogy(self, o: Enclosed) -> Any:
+        """x log y."""
+        return self * o.log()
+
+    @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
         """sqrt(x² + y²)."""
         return (self * self + o * o).sqrt()
@@ -325,7 +332,9 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "log2": lambda x: x.log() / Enclosed(x.evaluation, arb(2).log()),
     "log10": lambda x: x.log() / Enclosed(x.evaluation, arb(10).log()),
     "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
-    "conjugate": lambda x: x,
+    "expit": lambda x: 1 / (1 + (-x).exp()),
+    "sinc": lambda x: (x * Enclosed(x.evaluation, arb.pi())).sin() / (x * Enclosed(x.evaluation, arb.pi())),
+    **dict.fromkeys(("conjugate", "item"), lambda x: x),
     "fabs": abs,
     "rint": round,
     **dict.fromkeys(("radians", "deg2rad"), lambda x: x * Enclosed(x.evaluation, arb.pi() / 180)),
@@ -333,6 +342,8 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
+# Functions of NumPy and SciPy that have no loop over objects.
+_WITHOUT_LOOP = ("copysign", "exprel", "expit", "fmod", "heaviside", "sign", "xlogy")
 # What returns one of its arguments, which may be a constant: it stays exact in what f makes of it.
 SELECTING = ("maximum", "minimum", "fmax", "fmin", "clip")
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from fractions import Fraction
 from math import ulp
 
 import numpy as np
-from flint import arb
+from flint import arb, ctx
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused
+from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused, Replay
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import linearised
@@ -22,6 +23,11 @@ from driftproof.methods.vector_fields import VectorField
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
+# Where f cancels, as 1 + tanh does, it may also differ by what roundings of its intermediates leave. Balls of 53 bits
+# widen by at least a unit in the last place of each number that is rounded; NumPy's functions are off by at most four.
+# Twice that is allowed, since floats add in another order, but no more than REPRODUCED of the largest sizes on the run:
+# beyond that, what f rounds away is f, as in (y + 2**52) - 2**52.
+BITS_OF_DOUBLES, UNITS_OF_FLOATS = 53, 8
 # What f computes of the time, such as t * 1000 % 1, may be off by so many roundings of it.
 ROUNDINGS_OF_TIME = 8
 # Floats keep fewer digits of smaller numbers, or none.
@@ -32,6 +38,8 @@ _CALLED_AGAIN = "in a second call, with the time as a NumPy number, not a float"
 # The number of places around a start; chosen: states differ by up to 8 from it, or by eight times its size, and are no
 # round numbers, at which f may jump.
 _PLACES, _NOT_ROUND = 12, 0.8137
+_LOST = "f in floats keeps no more digits of it; write it so that it does, as 2*sin(x/2)**2 for 1 - cos(x)"
+_NONE = arb(0)
 
 
 class NotReproduced(Refused):
@@ -60,11 +68,13 @@ def reproduced_field(
     return field
 
 
-def _require_reproduced_if_possible(f: RightHandSide, in_balls: RightHandSide, t: float, y: Sequence[float]) -> None:
+def _require_reproduced_if_possible(
+    f: RightHandSide, in_balls: RightHandSide, t: float, y: Sequence[float], scale: arb = _NONE
+) -> None:
     """Do what `require_reproduced` does, unless f has no value at this place."""
     try:
         with np.errstate(all="ignore"):  # of NumPy's logarithm of a negative number, say
-            require_reproduced(f, in_balls, [t], [y])
+            require_reproduced(f, in_balls, [t], [y], scale)
     except NotReproduced:
         raise
     except (Refused, ValueError):
@@ -78,48 +88,92 @@ def require_reproduced_between(
 
     Places where f has no value are left out: they are not on the solution.
     """
-    require_reproduced(f, in_balls, times, states)
-    intervals = len(times) - 1
+    between, intervals, scale = list[tuple[float, list[float]]](), len(times) - 1, _NONE
     for k in range(MOST_REPRODUCED if intervals else 0):
         i, part = divmod(intervals * (k + _NOT_ROUND) / MOST_REPRODUCED, 1)
         (t, y), (other, at_other) = ((times[j], states[j]) for j in (int(i), int(i) + 1))
-        state = [a + part * (b - a) for a, b in zip(y, at_other, strict=True)]
-        _require_reproduced_if_possible(f, in_balls, t + part * (other - t), state)
+        between.append((t + part * (other - t), [a + part * (b - a) for a, b in zip(y, at_other, strict=True)]))
+        with suppress(Refused, ValueError), np.errstate(all="ignore"):
+            scale = scale.max(_Rates.of(in_balls, *between[-1], len(y)).scale)
+    scale = require_reproduced(f, in_balls, times, states, scale)
+    for t, y in between:
+        _require_reproduced_if_possible(f, in_balls, t, y, scale)
 
 
 def require_reproduced(
-    f: RightHandSide, in_balls: RightHandSide, times: Sequence[float], states: Sequence[Sequence[float]]
-) -> None:
+    f: RightHandSide,
+    in_balls: RightHandSide,
+    times: Sequence[float],
+    states: Sequence[Sequence[float]],
+    scale: arb = _NONE,
+) -> arb:
     """Raise NotReproduced unless f in floats agrees with f in balls, up to rounding, at points of a trajectory.
 
     f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected; first with
-    the time as a float, then as a number of NumPy, as SciPy gives it. Raises Refused where f has no value.
+    the time as a float, then as a number of NumPy, as SciPy gives it. Raises Refused where f has no value. Returns the
+    largest sizes of f on the run, or the scale that is known to be larger.
     """
     checked = sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
     backwards = [_of_another_time(f, times[i], states[i]) for i in reversed(checked)]
-    for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
-        t, balls = times[i], [arb(x) for x in states[i]]
-        if len(given) != len(balls):
-            raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
+    compared = zip(checked, forwards, reversed(backwards), strict=True)
+    enclosed = [
+        _Rates.of(in_balls, times[i], states[i], len(given)) for i, given in zip(checked, forwards, strict=True)
+    ]
+    scale = size([scale, *(each.scale for each in enclosed)])
+    for (i, given, repeated), found in zip(compared, enclosed, strict=True):
+        t, allowed = times[i], found.allowed(scale)
+        for j, (a, again) in enumerate(zip(given, repeated, strict=True)):
+            if abs(arb(a) - again) > 2 * allowed[j]:
+                raise NotReproduced(f"f is {a!r} at t = {t}, component {j}, but {again!r} {_CALLED_AGAIN}")
+        off = _beyond(given, found.rates, allowed)
+        if off and not _jumps_beside(in_balls, t, states[i], given, allowed):
+            j, said = off[0], f"f in floats is {given[off[0]]!r} at t = {t}, component {off[0]}"
+            said = f"{said}, but its enclosure is {decimal(found.rates[j])}"
+            lost = abs(arb(given[j]) - found.rates[j]) <= found.roundings[j]
+            raise NotReproduced(f"{said}: {_LOST}" if lost else said)
+    return scale
+
+
+@dataclass(frozen=True)
+class _Rates:
+    """f in balls at a point, the sizes of f and of (∂f/∂y) y together, and bounds of what f's roundings there make."""
+
+    rates: list[arb]
+    scale: arb
+    roundings: list[arb]
+
+    @classmethod
+    def of(cls, f: RightHandSide, t: float, y: Sequence[float], components: int) -> _Rates:
+        """f at a point, for as many components as y has. Raises Refused where f has no value."""
+        evaluation, balls = Evaluation(), [arb(x) for x in y]
+        if components != len(balls):
+            raise ValueError(f"f returns {components} numbers for {len(balls)} components")
         try:
-            rates, slopes = linearised(in_balls, Clock(Evaluation(), arb(t)), balls)
+            rates, slopes = linearised(f, Clock(evaluation, arb(t)), balls)
         except Refused as refusal:
             if not isinstance(refusal, Overlapping):
                 raise
             more = f"if f changes its form there, as friction at rest does, {TWO_RUNS}"
             raise Refused(f"{refusal} at t = {t}; {more}", refusal.t) from None
-        moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
-        allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
-        if not allowed.is_finite():
+        scale = size(rates) + size(sum((abs(J * x) for J, x in zip(row, balls, strict=True)), _NONE) for row in slopes)
+        if not scale.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
-        for j, (a, again) in enumerate(zip(given, repeated, strict=True)):
-            if abs(arb(a) - again) > 2 * allowed:
-                raise NotReproduced(f"f is {a!r} at t = {t}, component {j}, but {again!r} {_CALLED_AGAIN}")
-        off = [j for j, (a, b) in enumerate(zip(given, rates, strict=True)) if not abs(arb(a) - b) <= allowed]
-        if off and not _jumps_beside(in_balls, t, balls, given, allowed):
-            said = f"f in floats is {given[off[0]]!r} at t = {t}, component {off[0]}"
-            raise NotReproduced(f"{said}, but its enclosure is {decimal(rates[off[0]])}")
+        roundings = [_NONE] * components
+        with suppress(Refused), ctx.workprec(BITS_OF_DOUBLES):  # what cannot be divided there has no such bounds
+            rounded, _ = linearised(f, Clock(Replay(outcomes=evaluation.taken), arb(t)), balls, slopes=False)
+            roundings = [UNITS_OF_FLOATS * x.rad() for x in rounded]
+        return cls(rates, scale, roundings)
+
+    def allowed(self, scale: arb) -> list[arb]:
+        """How far floats may be off in each component, on a run of this scale."""
+        least, most = REPRODUCED * self.scale + UNDERFLOW, REPRODUCED * scale
+        return [least.max(x.min(most)) for x in self.roundings]
+
+
+def _beyond(given: Sequence[float], rates: Sequence[arb], allowed: Sequence[arb]) -> list[int]:
+    """The components that are off by more than is allowed."""
+    return [j for j, (a, b, most) in enumerate(zip(given, rates, allowed, strict=True)) if not abs(arb(a) - b) <= most]
 
 
 def _of_another_time(f: RightHandSide, t: float, y: Sequence[float]) -> list[float]:
@@ -130,11 +184,13 @@ def _of_another_time(f: RightHandSide, t: float, y: Sequence[float]) -> list[flo
         return _rates_in_floats(f, t, y)
 
 
-def _jumps_beside(f: RightHandSide, t: float, y: list[arb], given: list[float], allowed: arb) -> bool:
+def _jumps_beside(
+    f: RightHandSide, t: float, y: Sequence[float], given: Sequence[float], allowed: Sequence[arb]
+) -> bool:
     """True if f is what floats gave within some roundings of t, as where it jumps at t up to rounding."""
     for x in (t - ROUNDINGS_OF_TIME * ulp(t), t + ROUNDINGS_OF_TIME * ulp(t)):
-        rates = linearised(f, Clock(Evaluation(), arb(x)), y, slopes=False)[0]
-        if all(abs(arb(a) - b) <= allowed for a, b in zip(given, rates, strict=True)):
+        rates = linearised(f, Clock(Evaluation(), arb(x)), [arb(x) for x in y], slopes=False)[0]
+        if not _beyond(given, rates, allowed):
             return True
     return False
 

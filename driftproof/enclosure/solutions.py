@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count, product, takewhile
 
 import numpy as np
 from flint import arb, arb_mat, ctx
@@ -152,7 +153,7 @@ class _Path:
             if isinstance(refusal, Overlapping):
                 if self._cross((self.last - self.first) / 2**ctx.prec, error):
                     return
-                raise not_smooth(self.t, refusal) from None
+                raise not_smooth(self.t, refusal, at_start=self.t == self.first) from None
             raise Refused(f"{refusal} near t = {float(self.t):.9g}", refusal.t) from None
         if self.weights is None:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
@@ -188,16 +189,19 @@ class _Path:
     def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
         """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
         box = [x + e for x, e in zip(self.point, error, strict=True)]
-        unit = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
-        while unit < WIDEST_WINDOW * (self.last - self.first):
+        first = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
+        units = list(
+            takewhile(lambda unit: unit < WIDEST_WINDOW * (self.last - self.first), (first * 4**k for k in count()))
+        )
+        # The first tube of a step is wider than the set by so much, unless the weights say less.
+        for margin, unit in product((arb(2) ** -ctx.prec, arb(0)), units):
             h = (self.t + 2 * unit) // unit * unit + unit - self.t  # so that the time behind it is short
-            if (window := crossed(self.f, self.t, h, box)) is not None:
+            if (window := crossed(self.f, self.t, h, box, margin)) is not None:
                 self.changes += [self.t] * (self.t > self.first)
                 self.step, self.t, self.longest = window, self.t + window.h, LONGEST_STEP
                 self.point, self.basis = [x.mid() for x in window.after], arb_mat(len(box), len(box), 1)
                 self.box = arb_mat([[x - m] for x, m in zip(window.after, self.point, strict=True)])
                 return True
-            unit *= 4
         return False
 
     def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool, grows: bool) -> None:

@@ -31,7 +31,8 @@ from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
 VARIATIONAL_LENGTH = 14
-# A step that fails is shortened by this factor, at most this often: to below 2⁻⁶⁰ of its first length.
+# A step that fails is shortened by this factor, in 128 bits at most this often: to below 2⁻⁶⁰ of its first length. In
+# more bits that is in proportion, since a solution at rest on a kink leaves it by steps from some 2^(-bits/2) on.
 SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
 # Weights that let the tube of a step grow by less than exp of this are as good as any.
 UNGROWN = arb(2) ** -8
@@ -122,12 +123,12 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
 
 
 def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> Refused | None:
-    """What f refuses on a box that the solution needs the time 16 h to leave, or None: a guess for a message."""
-    evaluation, far = Evaluation(span=(t, None)), enclose(16 * h)
+    """What f refuses on a box ahead that the solution needs the time 16 h to leave, or None: a guess for a message."""
+    evaluation, ahead = Evaluation(span=(t, None)), enclose(16 * h) * arb(0.5, 0.5)
     try:
         rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
-        box = [Enclosed(evaluation, x + rate.value * far * arb(0, 1)) for x, rate in zip(y, rates, strict=True)]
-        enclosed_rates(f, Clock(evaluation, enclose(t) + far * arb(0, 1)), box)
+        box = [Enclosed(evaluation, x + rate.value * ahead) for x, rate in zip(y, rates, strict=True)]
+        enclosed_rates(f, Clock(evaluation, enclose(t) + ahead), box)
     except Refused as refusal:
         return refusal
     return None
@@ -157,7 +158,7 @@ class Expansion:
         change: Fraction | None = None
         before_it: Iterator[Fraction] = iter(())
         reason = "f or the solution has a pole ahead, or f is not smooth there"
-        for _ in range(MOST_SHORTENINGS):
+        for _ in range(MOST_SHORTENINGS * max(ctx.prec, 128) // 128):
             try:
                 if (made := self._attempt(h, spread)) is not None:
                     self.jumped = h == cut

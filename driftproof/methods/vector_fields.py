@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import MethodError
-from driftproof.support.plain_text import shortened
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt", "abs")
@@ -18,6 +17,8 @@ FLOOR = "floor"
 # What derivatives use besides, as if it were constant: copysign(1, x), of abs.
 OF_DERIVATIVES = ("copysign",)
 _OPERATORS = (ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Gt, ast.GtE, ast.Lt, ast.LtE)
+# chosen: a rate that is longer is not quoted where another is wanted.
+_LONGEST_QUOTED = 40
 _ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.IfExp, ast.Name, ast.Load, *_OPERATORS)
 
 
@@ -82,11 +83,13 @@ class VectorField:
             raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                said = f"rate {i} is {shortened(rate)!r}; a second-order system needs {v!r}: positions come first"
+                shown = repr(rate) if len(rate) <= _LONGEST_QUOTED else "no velocity"
+                said = f"rate {i} is {shown}; a second-order system needs {v!r}: positions come first"
                 raise MethodError(self.in_own_words(said))
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
-                said = f"rate {i}, {shortened(rate)!r}, reads the velocity {v}; kicks and drifts need accelerations"
+                shown = f", {rate!r}," if len(rate) <= _LONGEST_QUOTED else ""
+                said = f"rate {i}{shown} reads the velocity {v}; kicks and drifts need accelerations"
                 raise MethodError(f"{self.in_own_words(said)} that depend on positions only")
         return positions, velocities
 

@@ -217,7 +217,7 @@ REFUSED = {
         lambda t, y: (lambda q, v: [v, -q])(*y), [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f fails in floats at t = 0\.0, on 1 components: ZeroDivisionError": (
         lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
-    r"f compares numbers that are equal near t = 0; .*it may touch or follow it; certify the points": (
+    r"f compares numbers that are equal near t = 0; .*it may touch or follow it; as it starts there": (
         lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
     r"has a pole, or .* near t = 1; if f jumps there, certify": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),
     r"f is 1\.5 at t = 1\.0, component 0, but -1\.5 in a second call": (
@@ -311,3 +311,19 @@ def test_a_problem_with_a_function_is_certified_and_a_run_of_another_start_or_en
     assert certify({**given, "parameters": {"w": 4.5}}, times, rows).digits == 0
     with pytest.raises(ValueError, match="missing 1 required positional argument: 'w'"):
         certify({"function": oscillator_with}, times, rows)
+
+
+def reset(t, y):
+    v = y[0]
+    if v >= 2:
+        y[0] = -1.0
+    return [v * v]
+
+
+def test_f_that_writes_into_its_state_is_told_so():
+    """y' = y² from 1 is 1/(1 - t), 2 at 1/2, and has its pole at 1."""
+    told = "f writes into its y, from which a solver may go on; the solution that is enclosed does not"
+    assert str(certify(reset, [0.0, 0.75], [[1.0], [4.0]])).endswith(told)
+    assert told not in str(certify(reset, [0.0, 0.25], [[1.0], [1.5]]))
+    with pytest.raises(Refused, match=f"has a pole.*; {told}$"):
+        certify(reset, [0.0, 1.5], [[1.0], [1.5]])

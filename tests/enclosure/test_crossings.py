@@ -86,6 +86,10 @@ CROSSING = {
     "a jump at a known time at once": (
         lambda t, y: [-1.0 if t < 1 else 1.0, abs(y[0])], [1, 0], 2, lambda t: [arb(1), arb(1)],
     ),
+    "from rest on a kink": (
+        lambda t, y: [y[1], 1 - 2 * max(0, y[0])], [0, 0], 2,
+        lambda t: [(1 - (arb(2).sqrt() * t).cos()) / 2, (arb(2).sqrt() * t).sin() / arb(2).sqrt()],
+    ),
     "two at once": (
         lambda t, y: [1.0 if y[0] < 1 else 2.0, 1.0 if y[1] < 1 else 3.0], [0, 0], 2, lambda t: [arb(3), arb(4)],
     ),
@@ -238,9 +242,9 @@ def test_time_of_a_crossing_that_is_asked_for_is_in_its_window():
 
 
 WRONG = {
-    "one side only": ("lambda _, one, other: [a.union(b) for", "lambda _, one, other: [a for"),
+    "one side only": ("[x.union(y) for x, y in pairs]", "[x for x, y in pairs]"),
     "no time of the window": ("return Window(t, end - t,", "return Window(t, (end - t) / 2,"),
-    "the box of the beginning": ("[x + rate * length for x, rate in", "[x + 0 * rate for x, rate in"),
+    "the box of the beginning": ("[x + end * length for x, end in", "[x + 0 * end for x, end in"),
 }
 
 
@@ -334,12 +338,35 @@ def test_elastic_contact_keeps_its_energy():
         (lambda t, y: [-np.sign(y[0])], 1, r"1;"),
         (lambda t, y: [2 * (t - 1) + (0.0 if y[0] > 0 else 5.0)], 1, r"1;|1\.0|0\.99"),
         (lambda t, y: [abs(y[0])], 0, r"0;"),
+        (lambda t, y: [y[1], -max(0, y[0])], (0, 0), r"0;"),
+        (lambda t, y: [y[1], 1.0 if y[0] >= 0 else -1.0], (0, 0), r"0;.* as it starts there, write f as it is"),
     ],
-    ids=["slides", "touches", "stays"],
+    ids=["slides", "touches", "stays", "rests", "may leave to either side"],
 )
 def test_solution_that_does_not_cross_is_refused(f, start, near):
-    with pytest.raises(Refused, match=rf"compares numbers that are equal near t = ({near}).*touch or follow"):
-        enclose_solution(f, [Fraction(start)], [Fraction(0), Fraction(2)])
+    with pytest.raises(Refused, match=rf"compares numbers that are equal near t = (?=.*touch or follow)({near})"):
+        enclose_solution(f, [Fraction(int(x)) for x in np.ravel(start)], [Fraction(0), Fraction(2)])
+
+
+@pytest.mark.parametrize("mean", [False, True])
+def test_wrong_mean_of_the_rates_excludes_the_solution(mean, monkeypatch):
+    """x'' = 1 from rest, where x is not t² but t²/2."""
+    f = CROSSING["from rest on a kink"][0]
+    if mean:
+        monkeypatch.setattr(TaylorModel, "mean", lambda self: sum((self.coefficient(k) for k in range(4)), arb(0)))
+    with ctx.workprec(BITS):
+        found = crossed(f, Fraction(0), Fraction(1, 2**70), [arb(0), arb(0)], arb(2) ** -BITS)
+        t = arb(2).sqrt() * enclose(found.h)
+        assert found.after[0].contains((1 - t.cos()) / 2) is not mean
+        assert found.after[1].contains(t.sin() / arb(2).sqrt())
+
+
+def test_pole_behind_a_comparison_is_told_as_a_pole():
+    """y' = y² from 1, which is 2 at 1/2 and has its pole at 1."""
+    with pytest.raises(Refused, match=r"has a pole, or f is not smooth, near t = (1|0\.99)"):
+        enclose_solution(
+            lambda t, y: [y[0] ** 2 * (1.0 if y[0] >= 2 else 1)], [Fraction(1)], [Fraction(0), Fraction(2)]
+        )
 
 
 def test_many_relays_at_once_are_refused(monkeypatch):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from numpy import interp, linalg, maximum, sign, zeros
-from scipy.interpolate import interp1d
+from scipy.interpolate import BarycentricInterpolator
 
 from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.fields import enclosable, enclosed_rates
@@ -257,7 +257,7 @@ def caught(f, t=0.75, y=(0.625, 1.5)):
 
 def catching(t, y):
     try:
-        return [float(y[0]), 0]
+        return [complex(y[0]).real, 0]
     except Exception:
         return [1.0, 0]
 
@@ -272,7 +272,7 @@ def into_a_buffer(t, y):
     [
         (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
         (
-            lambda t, y: [interp1d([0.0, 9.0], [0.0, 1.0])(t), 0],
+            lambda t, y: [BarycentricInterpolator([0.0, 9.0], [0.0, 1.0])(t), 0],
             "f calls an interpolation that has no enclosure; numpy.",
         ),
         (lambda t, y: [math.remainder(y[0], 1), 0], "f uses math.remainder, which has no enclosure"),
@@ -286,8 +286,8 @@ def into_a_buffer(t, y):
         (catching, "f catches the exception by which the enclosure refuses an operation"),
         (lambda t, y: np.array([y[1], 0], dtype=int), "f makes an array of type int64, which has no enclosure"),
         (lambda t, y: np.asarray(y, dtype="f4"), "f makes an array of type float32, which has no enclosure"),
-        (into_a_buffer, "make arrays in f"),
-        (lambda t, y: y.astype(float), "f converts a number to a float"),
+        (into_a_buffer, "in 'MATRIX[0] = y'; what has an enclosure"),
+        (lambda t, y: y.astype(float), "f converts a number to a float in '(lambda t, y: y.astype(float)"),
         (lambda t, y: [y[0]], "f returns 1 numbers for 2 components"),
         (lambda t, y: [y[5], 0], "f fails on enclosed numbers: IndexError"),
         (lambda t, y: [None, y[0]], "f uses a NoneType as a number"),

@@ -143,3 +143,14 @@ def test_comparison_is_of_the_whole_step():
 def test_coefficients_beyond_the_length_go_into_the_tail():
     x = TaylorModel([arb(1), arb(2), arb(-3), arb(4)], 2, 1)
     assert (x.polynomial.length(), x.tail) == (2, 8)
+
+
+def test_mean_of_a_union_holds_that_of_what_changes_between_the_two():
+    """1 + σ up to 1/2 and 3 - σ² from there on, each model with a tail: 5/8 + 3/2 - 7/24."""
+    one, other = TaylorModel([arb(1), arb(1)], 4, 0), TaylorModel([arb(3), arb(0), arb(-1)], 4, arb(2) ** -10)
+    mixed = one.union(other).mean()
+    assert one.union(other).tail == other.union(one).tail == other.tail
+    assert mixed.contains(arb(11) / 6)
+    assert mixed.contains(arb(8) / 3 + arb(2) ** -10)
+    assert not mixed.contains(3.6)
+    assert (other.mean() - arb(8) / 3).contains(arb(2) ** -11)

@@ -104,3 +104,28 @@ def test_points_of_a_run_need_values_and_places_around_a_start_do_not():
         require_reproduced(other, enclosable(root), [0.0], [[2.0]])
     with pytest.raises(NotReproduced, match="f in floats is"):
         reproduced_field(other, made, [Fraction(0)], Fraction(1))
+
+
+SWITCHES = {
+    "switch": (0.0, lambda t, y: [1 + np.tanh(20 * (t - 3)) - 0.7 * y[0]]),
+    "circle": (0.0, lambda t, y: [0.1 * t + np.cos(t + 0.3) ** 2 + np.sin(t + 0.3) ** 2 - 1 - y[0]]),
+    "pulse": (0.0, lambda t, y: [np.tanh(50 * (t - 2)) - np.tanh(50 * (t - 3)) - 0.7 * y[0]]),
+    "flat": (2e-14, lambda t, y: [1 - np.cos(1e-8 * t) - y[0]]),
+    "to integers": (0.4, lambda t, y: [(y[0] + 2.0**52) - 2.0**52]),
+    "to 24 bits": (1 / 3, lambda t, y: [(2**29 + 1) * y[0] - ((2**29 + 1) * y[0] - y[0])]),
+}
+
+
+@pytest.mark.parametrize("name", SWITCHES)
+def test_what_cancels_may_be_off_by_its_roundings_and_by_no_more(name):
+    """Where no digits are left at the largest sizes, either, the float function is another one."""
+    last, f = SWITCHES[name]
+    run = enclosable(f), [0.0, 3.25], [[last if name.startswith("to") else 0.0], [last]]
+    if name.startswith("to") or name == "flat":
+        with pytest.raises(NotReproduced, match="keeps no more digits of it"):
+            require_reproduced_between(f, *run)
+        return
+    require_reproduced_between(f, *run)
+    for off in (2.0**-44, -(2.0**-44)):
+        with pytest.raises(NotReproduced, match=r"at t = 0\.0, component 0, but its enclosure is -?[0-9.e-]*$"):
+            require_reproduced_between(lambda t, y, off=off: [f(t, y)[0] + off], *run)

@@ -1,0 +1,281 @@
+"""The functions of math and NumPy, and some of Python, which also take enclosed numbers and make arrays for them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from functools import lru_cache, partial
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from driftproof.enclosure.data import bin_of, interpolated, sorted_place
+from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.numbers import SELECTING, Enclosed, enclosed
+
+# The functions of math that NumPy has by the same name, and those that it has by another name.
+_SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
+_OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
+_MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
+_FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
+# Of two numbers, of which the first may be a constant.
+_OF_TWO = ("hypot", "arctan2")
+_OWN = ("array", "asarray", "fromiter", "sign", "interp", "digitize", "searchsorted", "gradient", "sinc")
+REPLACED = (*_OWN, *_FILLED_WITH_FLOATS, *SELECTING, *_OF_TWO)
+_TO_INTEGERS = ("floor", "ceil", "trunc")
+# The answers for enclosed numbers that are finite.
+_OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
+
+
+def array_of(values: Iterable[Any]) -> Any:
+    """An array of objects: NumPy would look into balls."""
+    listed = list(values)
+    made = np.empty(len(listed), dtype=object)
+    made[:] = listed
+    return made
+
+
+def holds_enclosed(values: Any) -> bool:
+    """True if any of the values is an enclosed number."""
+    return any(isinstance(x, Enclosed) for x in np.ravel(values))
+
+
+def _sign(x: Any) -> Any:
+    return enclosed(x.evaluation, x.sign()) if isinstance(x, Enclosed) else np.sign(x)
+
+
+def among(given: Any, chosen: Any) -> Any:
+    """What is chosen among enclosed numbers, enclosed: a constant stays exact in what f makes of it."""
+    held = next((x for each in given for x in np.ravel(each) if isinstance(x, Enclosed)), None)
+    return chosen if held is None or isinstance(chosen, tuple | list) else enclosed(held.evaluation, chosen)
+
+
+def chosen_by(choose: Callable[..., Any]) -> Callable[..., Any]:
+    """The builtin max or min."""
+
+    def chosen(*arguments: Any, **options: Any) -> Any:
+        given = list(arguments[0]) if len(arguments) == 1 else arguments
+        return among(given, choose(given, **options))
+
+    return chosen
+
+
+def _selecting(choose: Any) -> Callable[..., Any]:
+    """numpy.maximum and its like, with its methods reduce and accumulate."""
+    chosen: Any = lambda *given: among(given, choose(*given))
+    for name in ("reduce", "accumulate"):
+        if (method := getattr(choose, name, None)) is not None:
+            setattr(chosen, name, partial(_chosen_along, method))
+    return chosen  # type: ignore[no-any-return]
+
+
+def _chosen_along(method: Callable[..., Any], given: Any, *axis: Any, **options: Any) -> Any:
+    return among([given], method(given, *axis, **options))
+
+
+class _Floats(type):
+    def __instancecheck__(cls, x: Any) -> bool:
+        return isinstance(x, float)
+
+    def __call__(cls, *given: Any) -> Any:
+        alone = [x[()] if isinstance(x, np.ndarray) and not x.ndim else x for x in given[:1]]
+        return alone[0] if isinstance((*alone, None)[0], Enclosed) else float(*given)
+
+    def __eq__(cls, other: object) -> bool:
+        return other is cls or other is float
+
+    def __hash__(cls) -> int:
+        return hash(float)
+
+
+class FloatOrEnclosed(float, metaclass=_Floats):
+    """The type float, which leaves an enclosed number as it is: the float of a float is itself."""
+
+    dtype = np.dtype(float)
+
+
+def _as_finite(name: str, x: Any) -> bool:
+    """The answer of isfinite and its like. Raises Refused for a ball that is not finite."""
+    if isinstance(x, Enclosed) and not getattr(x.value, "is_finite", bool)():
+        raise Refused(f"f takes {name} of a number that may have no value")
+    return _OF_FINITE[name]
+
+
+class _Math(ModuleType):
+    """The module math, whose functions also take enclosed numbers."""
+
+    def __getattr__(self, name: str) -> Any:
+        plain = getattr(math, name)
+        if not callable(plain):
+            return plain
+        if name == "fsum":
+            return lambda among: sum(given) if holds_enclosed(given := [*among]) else math.fsum(given)
+
+        def function(*arguments: Any) -> Any:
+            evaluations = [x.evaluation for x in arguments if isinstance(x, Enclosed)]
+            if not evaluations:
+                return plain(*arguments)
+            if name in _TO_INTEGERS:
+                return plain(arguments[0])
+            if name == "fmod" and isinstance(first := arguments[0], Enclosed):
+                return first.fmod(arguments[1])
+            if name == "pow":
+                return arguments[0] ** arguments[1]
+            arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
+            if name in _OF_FINITE:
+                return _as_finite(name, arguments[0])
+            if name not in _MATH:
+                raise Refused(f"f uses math.{name}, which has no enclosure")
+            if name == "log" and len(arguments) == 2:
+                return arguments[0].log() / arguments[1].log()
+            return getattr(np, _MATH[name])(*arguments)
+
+        return function
+
+
+class _Numpy(ModuleType):
+    """The module numpy, whose new arrays can hold enclosed numbers."""
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(np, name)
+        if name in _OF_FINITE:
+            return lambda x: np.vectorize(partial(_as_finite, name))(x)[()] if holds_enclosed(x) else value(x)
+        if name in SELECTING:
+            return _selecting(value)
+        if name in _OF_TWO:
+            return lambda *given: value(*(among(given, x if isinstance(x, Enclosed) else np.asarray(x)) for x in given))
+        if name not in _FILLED_WITH_FLOATS:
+            return value
+
+        def filled(*arguments: Any, **options: Any) -> Any:
+            if options.get("dtype") in (float, np.float64, "float", "float64"):
+                del options["dtype"]
+            made = value(*arguments, **options)
+            return made.astype(object) if made.dtype == float else made
+
+        return filled
+
+    @staticmethod
+    def array(values: Any, dtype: Any = None, **options: Any) -> Any:
+        """numpy.array, with dtype object if there are enclosed numbers among the values."""
+        made = np.array(values, dtype=object, **options)
+        if not holds_enclosed(made):
+            return np.array(values, dtype=dtype, **options)
+        if dtype is not None and np.dtype(dtype) not in (np.dtype(float), np.dtype(object)):
+            raise Refused(f"f makes an array of type {np.dtype(dtype)}, which has no enclosure")
+        return made
+
+    asarray = array
+
+    @staticmethod
+    def fromiter(values: Iterable[Any], dtype: Any, count: int = -1) -> Any:
+        """numpy.fromiter, as numpy.array of a list."""
+        return _Numpy.array([x for k, x in enumerate(values) if count < 0 or k < count], dtype)
+
+    @staticmethod
+    def gradient(f: Any, *spacing: Any, **options: Any) -> Any:
+        """numpy.gradient, which enclosed numbers have in a row at equal distances."""
+        if not holds_enclosed(f):
+            return np.gradient(f, *spacing, **options)
+        row, h = among([f], np.asarray(f)), spacing[0] if spacing else 1
+        if options or len(spacing) > 1 or np.ndim(h) or row.ndim != 1 or len(row) < 2:
+            raise Refused("f takes numpy.gradient of more than a row at equal distances, which has no enclosure")
+        inner = (row[2:] - row[:-2]) / (2 * h)
+        return np.concatenate([[(row[1] - row[0]) / h], inner, [(row[-1] - row[-2]) / h]])
+
+    @staticmethod
+    def clip(x: Any, least: Any, most: Any) -> Any:
+        """numpy.clip, of which None for a bound has no enclosure."""
+        return NUMPY.minimum(NUMPY.maximum(x, least), most)
+
+    @staticmethod
+    def sign(x: Any) -> Any:
+        """numpy.sign, whose loop over objects asks three times for what one comparison or two decide."""
+        return np.vectorize(_sign, otypes=[object])(x)[()] if holds_enclosed(x) else np.sign(x)
+
+    @staticmethod
+    def sinc(x: Any) -> Any:
+        """numpy.sinc, which asks for the type of an array."""
+        each = lambda x: x.sinc() if isinstance(x, Enclosed) else np.sinc(x)
+        return np.vectorize(each, otypes=[object])(x)[()] if holds_enclosed(x) else np.sinc(x)
+
+    @staticmethod
+    def interp(x: Any, *points: Any, **options: Any) -> Any:
+        """numpy.interp, which enclosed numbers have at a single number."""
+        return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
+
+    @staticmethod
+    def digitize(x: Any, *bins: Any, **options: Any) -> Any:
+        """numpy.digitize, also at a single enclosed number."""
+        return (bin_of if isinstance(x, Enclosed) else np.digitize)(x, *bins, **options)
+
+    @staticmethod
+    def searchsorted(a: Any, v: Any, *side: Any, **options: Any) -> Any:
+        """numpy.searchsorted, also at a single enclosed number."""
+        return (
+            sorted_place(a, v, *side, **options) if isinstance(v, Enclosed) else np.searchsorted(a, v, *side, **options)
+        )
+
+    class _Linalg(ModuleType):
+        """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm, solve and inv."""
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(np.linalg, name)
+
+        @staticmethod
+        def norm(x: Any, *arguments: Any, **options: Any) -> Any:
+            if arguments or options or not holds_enclosed(x):
+                return np.linalg.norm(x, *arguments, **options)
+            return np.sqrt(sum(each * each for each in np.ravel(x)))
+
+        @staticmethod
+        def solve(a: Any, b: Any) -> Any:
+            """numpy.linalg.solve of one system: by the exact inverse of a constant matrix, else by elimination."""
+            matrix, right = np.asarray(a), np.asarray(b)
+            if not (holds_enclosed(matrix) or holds_enclosed(right)):
+                return np.linalg.solve(a, b)
+            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
+                raise Refused("f gives numpy.linalg.solve several matrices; solve with one at a time")
+            if not holds_enclosed(matrix):
+                doubles = np.array(matrix, dtype=float)
+                return _inverse(doubles.tobytes(), len(doubles)) @ among([right], right)
+            return _eliminated(matrix, right)
+
+        @staticmethod
+        def inv(a: Any) -> Any:
+            return NUMPY.linalg.solve(a, np.eye(len(a))) if holds_enclosed(a) else np.linalg.inv(a)
+
+    linalg = _Linalg("numpy.linalg")
+
+
+@lru_cache(maxsize=16)
+def _inverse(doubles: bytes, n: int) -> Any:
+    """The exact inverse of a matrix of doubles. Raises Refused if it has none."""
+    entries = [Fraction(x) for x in np.frombuffer(doubles)]
+    try:
+        found = fmpq_mat(n, n, [fmpq(x.numerator, x.denominator) for x in entries]).inv()
+    except ZeroDivisionError:
+        raise Refused("f solves with a matrix that has no inverse") from None
+    return array_of(Fraction(int(x.p), int(x.q)) for x in found.entries()).reshape(n, n)
+
+
+def _eliminated(matrix: Any, right: Any) -> Any:
+    """The solution of a system by Gauss's elimination, with the first pivot in a column that is certainly not 0."""
+    held = next(x for x in matrix.ravel() if isinstance(x, Enclosed))
+    A, b = enclosed(held.evaluation, matrix), enclosed(held.evaluation, right)
+    certain: Callable[[Any], bool] = lambda x: any(held.evaluation.is_positive(each.value) for each in (x, -x))
+    for k in range(len(A)):
+        pivot = next((i for i in range(k, len(A)) if certain(A[i, k])), k)
+        A[[k, pivot]], b[[k, pivot]] = A[[pivot, k]], b[[pivot, k]]
+        for i in range(k + 1, len(A)):
+            factor = A[i, k] / A[k, k]
+            A[i, k:], b[i] = A[i, k:] - factor * A[k, k:], b[i] - factor * b[k]
+    for k in reversed(range(len(A))):
+        b[k] = (b[k] - A[k, k + 1 :] @ b[k + 1 :]) / A[k, k]
+    return b
+
+
+MATH, NUMPY = _Math("math"), _Numpy("numpy")

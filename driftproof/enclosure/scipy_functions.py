@@ -1,0 +1,159 @@
+"""Functions of SciPy at enclosed numbers: waves, splines by their parts, and products with sparse matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from driftproof.enclosure.array_functions import among, holds_enclosed
+from driftproof.enclosure.data import spline_at
+from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.numbers import Enclosed, exact_value
+
+# SciPy takes waves modulo twice this.
+_PI = Fraction(np.pi)
+
+
+def _square(t: Enclosed, duty: Any = 0.5) -> Any:
+    """1 on the first part of each period, -1 on the rest."""
+    return 1 if t % (2 * _PI) < _part(duty) * 2 * _PI else -1
+
+
+def _sawtooth(t: Enclosed, width: Any = 1) -> Any:
+    """A rise to 1 on the first part of each period, and a fall to -1 on the rest."""
+    now, w = t % (2 * _PI), _part(width)
+    if w == 1 or (w != 0 and now < w * 2 * _PI):
+        return now / (_PI * w) - 1
+    return (_PI * (w + 1) - now) / (_PI * (1 - w))
+
+
+def _part(given: Any) -> Fraction:
+    known = exact_value(given)
+    if known is None or not 0 <= known <= 1:
+        raise Refused("f gives a wave of scipy.signal a duty or a width that is no constant from 0 to 1")
+    return known
+
+
+def _splev(x: Enclosed, tck: Any, der: int = 0, ext: int = 0) -> Any:
+    """A sum of B-splines that is given as its parts, or as an object."""
+    if der or ext not in (0, 2):
+        raise Refused("f calls splev with der or ext, which has no enclosure; derivatives are those of a CubicSpline")
+    return tck(x) if callable(tck) else spline_at(tck, x, ext == 0)
+
+
+def _at_enclosed(own: Callable[..., Any]) -> Callable[[Any], Callable[..., Any]]:
+    """What makes a function of SciPy one that calls our own at an enclosed number, or at each in an array."""
+
+    def made(plain: Any) -> Callable[..., Any]:
+        def function(x: Any, *more: Any, **options: Any) -> Any:
+            if isinstance(x, np.ndarray) and x.dtype == object:
+                return np.vectorize(lambda each: function(each, *more, **options), otypes=[object])(x)[()]
+            return (own if isinstance(x, Enclosed) else plain)(x, *more, **options)
+
+        return function
+
+    return made
+
+
+def _of_special(name: str) -> Callable[[Any], Callable[..., Any]]:
+    return _at_enclosed(lambda x, *more: getattr(x, name)(*more))
+
+
+# By the public module and the name.
+OF_SCIPY = {
+    **{("scipy.special", name): _of_special(name) for name in ("expit", "exprel", "xlogy")},
+    ("scipy.signal", "square"): _at_enclosed(_square),
+    ("scipy.signal", "sawtooth"): _at_enclosed(_sawtooth),
+    ("scipy.interpolate", "splev"): _at_enclosed(_splev),
+}
+
+
+def is_sparse(value: Any) -> bool:
+    """True for a matrix or an array of scipy.sparse, which is not loaded here."""
+    return type(value).__module__.startswith("scipy.sparse") and hasattr(value, "tocoo")
+
+
+class Sparse:
+    """A sparse matrix of doubles or enclosed numbers, which multiplies arrays of either."""
+
+    __array_ufunc__ = None  # so that an array leaves the product to it
+
+    def __init__(self, shape: tuple[int, int], places: Any, numbers: Any, *, products: bool) -> None:
+        """Take rows and columns, and the number at each; `products` if * is that of matrices."""
+        self.shape, self._places, self._numbers, self._products = shape, places, numbers, products
+
+    @classmethod
+    def of(cls, matrix: Any) -> Sparse:
+        """The same matrix."""
+        parts = matrix.tocoo()
+        return cls(
+            parts.shape, (parts.row, parts.col), parts.data.tolist(), products="array" not in type(matrix).__name__
+        )
+
+    def _with(self, numbers: Any) -> Sparse:
+        return Sparse(self.shape, self._places, numbers, products=self._products)
+
+    @property
+    def T(self) -> Sparse:
+        """The transpose."""
+        return Sparse(self.shape[::-1], self._places[::-1], self._numbers, products=self._products)
+
+    def __matmul__(self, x: Any) -> Any:
+        x = x.toarray() if isinstance(x, Sparse) or is_sparse(x) else np.asarray(x)
+        if x.shape[0] != self.shape[1]:
+            raise ValueError(f"a matrix of {self.shape[1]} columns times {x.shape[0]} rows")
+        x = among((x, self._numbers), x)  # or products of doubles would be rounded
+        made = np.zeros((self.shape[0], *x.shape[1:]), dtype=object)
+        for i, j, a in zip(*self._places, self._numbers, strict=True):
+            made[i] = made[i] + a * x[j]
+        return made if holds_enclosed(made) else made.astype(float)
+
+    dot = __matmul__
+
+    def __rmatmul__(self, x: Any) -> Any:
+        return (self.T @ np.asarray(x).T).T
+
+    def __mul__(self, x: Any) -> Any:
+        if np.ndim(x) and self._products:
+            return self @ x
+        if np.ndim(x) or isinstance(x, Sparse):
+            raise Refused("f multiplies a sparse matrix entry by entry, which has no enclosure; @ has one")
+        return self._with([a * x for a in self._numbers])
+
+    def __rmul__(self, x: Any) -> Any:
+        return (self.T * x.T).T if np.ndim(x) else self * x
+
+    def __truediv__(self, x: Any) -> Any:
+        return self * (1 / x)
+
+    def __neg__(self) -> Sparse:
+        return self._with([-a for a in self._numbers])
+
+    def __add__(self, other: Any) -> Any:
+        if not isinstance(other, Sparse):
+            return self.toarray() + other
+        places = tuple(np.concatenate(pair) for pair in zip(self._places, other._places, strict=True))
+        return Sparse(self.shape, places, [*self._numbers, *other._numbers], products=self._products)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise Refused(f"f uses {name} of a sparse matrix, which has no enclosure; products with @ have one")
+
+    def toarray(self) -> Any:
+        """The matrix with its zeros."""
+        made = np.zeros(self.shape, dtype=object)
+        for i, j, a in zip(*self._places, self._numbers, strict=True):
+            made[i, j] = made[i, j] + a
+        return made
