@@ -147,8 +147,9 @@ def _rebound_parts(value: Any, known: dict[int, Any], depth: int) -> Any:
     made = {key: _rebound(x, known, depth + _OF_PARTS) for key, x in held.items()}
     if any(made[key] is not x for key, x in held.items()):
         if not plain:
-            changed = copy(value)
-            vars(changed).update(made if changed is not value else {})  # some are copied as themselves
+            with suppress(Exception):  # of what cannot be copied, as parts of another library
+                changed = copy(value)
+                vars(changed).update(made if changed is not value else {})  # some are copied as themselves
         elif isinstance(value, dict):
             changed = made
         else:

@@ -299,6 +299,20 @@ def test_field_without_enclosure_is_refused(f, said):
     assert "\n" not in caught(f)
 
 
+class Uncopied:
+    def __init__(self):
+        self.sine, self.two = math.sin, 2.0
+
+    def __reduce_ex__(self, protocol):
+        raise TypeError("no copies")
+
+
+def test_an_object_that_cannot_be_copied_is_used_as_it_is():
+    held = Uncopied()
+    (rate,) = enclosable(lambda t, y: [held.two * y[0]])(0, [Enclosed(Evaluation(), arb(3))])
+    assert rate.value == 6
+
+
 def test_rebound_leaves_the_given_function_as_it_was():
     enclosable(filled)
     assert filled(0.0, np.array([1.0, 2.0])).dtype == float
