@@ -1,5 +1,7 @@
 """Steps with a system built in are held to the system that they should have."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -74,11 +76,42 @@ def test_a_body_with_a_drag_is_judged_by_the_usual_reading_and_by_no_other(cls, 
 
 @pytest.mark.parametrize(("system", "said"), [
     (lambda t, y: y[:1], "has 1 slopes where a step has 2 numbers"), (lambda t, y: y[4], "given raises IndexError"),
+    (lambda y, k: -k * y, "the system given takes k, which is no parameter of the step"),
     (lambda t, y: y * np.nan, "the system given is not finite there"),
 ])  # fmt: skip
 def test_a_system_that_is_none_of_the_steps_is_wrong_input(system, said):
     with pytest.raises(ValueError, match=said):
         verify(companion, "trapezoid", system=system, allowance=EXACT, isolate=False)
+
+
+def discharge(v, dt, R, C, wrong=0):
+    """Heun's step of a capacitor, or one that divides by R alone."""
+    rate = lambda v: -v / R * C if wrong else -v / (R * C)
+    return v + dt / 2 * (rate(v) + rate(v + dt * rate(v)))
+
+
+def falling_to(r, v, mu, dt, wrong=0):
+    """The midpoint rule of a body that is attracted."""
+    pull = lambda r: -(mu ** (1 + wrong)) * r / np.linalg.norm(r) ** 3
+    return r + dt * (v + dt / 2 * pull(r)), v + dt * pull(r + dt / 2 * v)
+
+
+def kepler(t, y, mu=1.0):
+    return [*y[3:], *(-mu * y[:3] / np.linalg.norm(y[:3]) ** 3)]
+
+
+@pytest.mark.parametrize(("step", "method", "system", "said"), [
+    (discharge, "heun2", lambda t, y, R, C: -y / (R * C), "is heun2 on the system given with R = 1.25, C = 0.875, to"),
+    (partial(discharge, wrong=1), "heun2", lambda y, R, C: -y / (R * C), "is not the one given with R = 1.25, C = 0."),
+    (discharge, "heun2", lambda y, t: [-y[0]], "given, to the last digit in 36 steps; remark: set to 1, w"),
+    (partial(discharge, R=2.0), "heun2", lambda t, y, C, R: -y / (R * C), "with R = 2, C = 1.25, to"),
+    (falling_to, "midpoint2", kepler, "is midpoint2 on the system given with mu = 1.25, to"),
+    (partial(falling_to, wrong=1), "midpoint2", kepler, "its system is not the one given with mu = 1.25: from"),
+    (falling_to, "midpoint2", lambda y, mu: [*y[2:], *(-mu * y[:2] / np.linalg.norm(y[:2]) ** 3)],
+     "undecided whether it is midpoint2: of 4 numbers its system is the one given, but not of more, where from"),
+])  # fmt: skip
+def test_parameters_are_the_same_numbers_in_the_system_and_in_the_step(step, method, system, said):
+    assert said in verify(step, method, system=system, isolate=False).verdict
 
 
 def test_a_system_is_for_a_step_of_one_method_that_takes_none():

@@ -104,7 +104,7 @@ READ = [
     (level, "forward_euler", "the state: h;", None), (decay, "forward_euler", "the state: N;", None),
     (decay_twice, "forward_euler", "the state: N;", False),
     (heated, "forward_euler", "one of 4 numbers", None), (heated_in_place, "forward_euler", "one of 4 numbers", False),
-    (wave(), "forward_euler", "one of 8 numbers", None), (wave(False), "forward_euler", "one of 8 numbers", False),
+    (wave(), "forward_euler", "one of 6 numbers", None), (wave(False), "forward_euler", "one of 6 numbers", False),
     (infections, "heun2", "one of 3 numbers", None), (partial(infections, last=0), "heun2", "one of 3 numbers", False),
     (orbit, "velocity_verlet", "one of 4 numbers", None),
     (partial(orbit, stale=True), "velocity_verlet", "one of 4 numbers", False),
