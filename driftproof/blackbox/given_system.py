@@ -39,6 +39,10 @@ from driftproof.methods.schemes import Method, MethodError, Splitting
 
 # States beside those at which a built-in system is seen, as parts of them; how short a step shows slopes, to what part.
 _BESIDE, _SHORT, _ALIKE = 2, 2.0**-20, 2.0**-10
+_TAKES_ONE = (
+    "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
+    "out, and all but the right-hand side of the code is judged"
+)
 # What parameters of a step are set to: other than 1 and unlike each other, and products of them exact.
 _VALUES = tuple(n / 16 for n in (20, 14, 22, 13, 18, 23, 15, 19, 17, 21))
 _NEEDED = "a method that goes on it, and states with slopes that change in a step"
@@ -58,6 +62,11 @@ class _StepsOn(OwnSteps):
             return [arb(x) for x in self.rates(float(t), [float(x) for x in y])]
 
         return NonlinearProblem("the system given", rate, lambda t: [arb(0)] * self.size, self.size // 2)
+
+    @property
+    def times(self) -> Sequence[float]:
+        """A step that takes no time begins at 0, if it has a clock."""
+        return super().times if TIME in self.subject.convention.order else (0.0,)
 
     def pushed(self, method: Method) -> bool:
         """True of a splitting whose force depends on the velocity: where that is asked its definition does not say."""
@@ -186,7 +195,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     not known.
     """
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
-        raise BadInput("a system is given for a step that takes its right-hand side: leave it out, and all is judged")
+        raise BadInput(_TAKES_ONE)
     given, refused, far = _Given.of(system, subject), list[BadInput](), list[str]()
     for each in (given, *[given.halved(subject)] * bool(given.values)):  # if it has no slopes at numbers above 1
         for reading, states in _readings(each.on(subject), wanted.domain):
@@ -222,7 +231,7 @@ def _compared(
     pushed = ", its force asked with the velocity before each kick" * steps.pushed(of_one_state(wanted.method))
     if far and pushed:
         raise OwnSystem(f"its force depends on the velocity, and with that before each kick {far}")
-    counted = f"to {f'{off:.0e}' if off else 'the last digit'} in {4 * len(steps.states)} steps"
+    counted = f"to {f'{off:.0e}' if off else 'the last digit'} in {2 * len(steps.times) * len(steps.states)} steps"
     return StepFinding(not far, far or f"is {key} on the system given{given.words}{pushed}, {counted}")
 
 

@@ -75,7 +75,7 @@ def verify(
     found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
     if callable(system):  # which no other interpreter can import
         step = imported(step)
-    with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
+    with IsolatedRunner(Target(step, calls, array, system is not None), time_limit, isolate) as runner:
         if isinstance(found, FactsOnly | Boris):
             if system is not None:
                 raise ValueError(f"{found.key} is no method of one step, which alone is held to a system")

@@ -1,11 +1,13 @@
 """Steps with a system built in are held to the system that they should have."""
 
+import re
 from functools import partial
 
 import numpy as np
 import pytest
 
 from driftproof import Allowance, assert_verified, stepper_of, verify
+from tests.looping import exactly
 
 EXACT = Allowance(solver_tolerance=1e-12)
 
@@ -74,6 +76,59 @@ def test_a_body_with_a_drag_is_judged_by_the_usual_reading_and_by_no_other(cls, 
     assert said in found.verdict
 
 
+class Thrown:
+    """Heun's method with a drag whose speed is that of the step's start if `stale`."""
+
+    stale = False
+
+    def __init__(self):
+        self.state = np.array([0.0, 0.0, 3.0, 4.0])
+
+    def f(self, s):
+        speed = self.speed if self.stale else np.hypot(*s[2:])
+        return np.array([*s[2:], *-speed * s[2:]])
+
+    def step(self, dt):
+        self.speed = np.hypot(*self.state[2:])
+        k1 = self.f(self.state)
+        self.state = self.state + dt / 2 * (k1 + self.f(self.state + dt * k1))
+
+
+class Stale(Thrown):
+    stale = True
+
+
+class Driven:
+    """The midpoint rule with a clock that is set forward after a step, or before its last stage."""
+
+    stale = False
+
+    def __init__(self):
+        self.t = self.v = 0.0
+
+    def advance(self, dt):
+        k1 = np.sin(2 * self.t) - self.v
+        self.v = self.v + dt * (np.sin(2 * self.t + dt * (not self.stale)) - self.v - dt / 2 * k1)
+        self.t += dt
+
+
+class Early(Driven):
+    stale = True
+
+
+@pytest.mark.parametrize(("cls", "method", "system", "line"), [
+    (Thrown, "heun2", lambda y: [*y[2:], *-np.hypot(*y[2:]) * y[2:]], 'stepper_of({}, state="state", advance="step")'),
+    (Driven, "midpoint2", lambda t, y: [np.sin(2 * t) - y[0]], "def wrapped(t, y, h): import numpy; made = {}(); "),
+])  # fmt: skip
+def test_a_wrapper_that_is_shown_beside_a_system_keeps_that_of_the_code(cls, method, system, line):
+    for each in exactly(2, (cls, *cls.__subclasses__())):
+        with pytest.raises(ValueError, match=re.escape(line.format(each.__name__))) as shown:
+            verify(each, method, system=system, isolate=False)
+        exec(str(shown.value).partition("write: ")[2], known := {**globals()})
+        assert verify(known["wrapped"], method, system=system, isolate=False).passed is not each.stale
+        assert verify(known["wrapped"], method, isolate=False).passed is (False if each.stale else None)
+
+
 @pytest.mark.parametrize(("system", "said"), [
     (lambda t, y: y[:1], "has 1 slopes where a step has 2 numbers"), (lambda t, y: y[4], "given raises IndexError"),
     (lambda y, k: -k * y, "the system given takes k, which is no parameter of the step"),
@@ -103,7 +158,7 @@ def kepler(t, y, mu=1.0):
 @pytest.mark.parametrize(("step", "method", "system", "said"), [
     (discharge, "heun2", lambda t, y, R, C: -y / (R * C), "is heun2 on the system given with R = 1.25, C = 0.875, to"),
     (partial(discharge, wrong=1), "heun2", lambda y, R, C: -y / (R * C), "is not the one given with R = 1.25, C = 0."),
-    (discharge, "heun2", lambda y, t: [-y[0]], "given, to the last digit in 36 steps; remark: set to 1, w"),
+    (discharge, "heun2", lambda y, t: [-y[0]], "given, to the last digit in 18 steps; remark: set to 1, w"),
     (partial(discharge, R=2.0), "heun2", lambda t, y, C, R: -y / (R * C), "with R = 2, C = 1.25, to"),
     (falling_to, "midpoint2", kepler, "is midpoint2 on the system given with mu = 1.25, to"),
     (partial(falling_to, wrong=1), "midpoint2", kepler, "its system is not the one given with mu = 1.25: from"),
@@ -116,7 +171,7 @@ def test_parameters_are_the_same_numbers_in_the_system_and_in_the_step(step, met
 
 def test_a_system_is_for_a_step_of_one_method_that_takes_none():
     assert verify(lambda q, v, h: (q + h * v, v - h * q), "forward_euler", system=lambda y: [y[1], -y[0]]).passed
-    with pytest.raises(ValueError, match="takes its right-hand side: leave it out"):
+    with pytest.raises(ValueError, match="takes its right-hand side: give a step that keeps"):
         verify(lambda f, t, y, h: y + h * f(t, y), "forward_euler", system=circuit, isolate=False)
     with pytest.raises(ValueError, match="bdf2 is no method of one step"):
         verify(companion, "bdf2", system=circuit)

@@ -193,6 +193,11 @@ class OwnSteps:
         return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * self.size, self.size // 2)
 
     @property
+    def times(self) -> Sequence[float]:
+        """The times at which steps are compared."""
+        return _TIMES
+
+    @property
     def size(self) -> int:
         """How many numbers a state has."""
         return len(self.states[0])
@@ -290,7 +295,7 @@ class OwnSteps:
         """
         method, found, why, bent = of_one_state(wanted.method), list[float](), "", 0.0
         allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-        for t, share, y in product(_TIMES, _COMPARED, self.states):
+        for t, share, y in product(self.times, _COMPARED, self.states):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
                 seen, told = tuple(self.end(t, y, h)), self.step(method, t, y, h)

@@ -43,19 +43,22 @@ _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 _TRIED = 12
 
 
-def object_wrapper(step: Callable[..., Any]) -> str:
-    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found."""
+def object_wrapper(step: Callable[..., Any], own: bool = False) -> str:
+    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found.
+
+    If its `own` system is to be judged, nothing of it is replaced.
+    """
     if inspect.isclass(step):
         advance = advance_of(step) or "step"
         made, whole = _made_anyhow(step), class_run_wrapper(step)
         once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
-        return once or kept_state_wrapper(step, made, advance)
+        return once or kept_state_wrapper(step, made, advance, own)
     made, names = getattr(step, "__self__", None), required_names(step)
     if made is None or names is None or [*map(common.plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
-    return taken or kept_state_wrapper(cls, made, step.__name__)
+    return taken or kept_state_wrapper(cls, made, step.__name__, own)
 
 
 def _own_step(cls: type) -> str:

@@ -19,10 +19,10 @@ OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"
 _WITHOUT = " a step that takes its right-hand side, which no argument is: def "
 
 
-def wrapper_line(step: Callable[..., Any]) -> str:
-    """The wrapper to write, as the end of an error message; "" if none is known to fit."""
+def wrapper_line(step: Callable[..., Any], own: bool = False) -> str:
+    """The wrapper to write, as the end of an error message, maybe one that keeps the `own` system; "" if none fits."""
     step = owner_of(step)
-    line = object_wrapper(step)
+    line = object_wrapper(step, own)
     if not line and inspect.isclass(step) and (further := further_names(step, advance_of(step))):
         return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
     if not line and not inspect.isclass(step):
