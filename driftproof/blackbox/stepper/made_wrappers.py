@@ -221,6 +221,8 @@ class _Made(NamedTuple):
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
+        if not (left or self.arguments or self.time) and self._alone():  # whose steps may have several lengths
+            return f"wrapped = {made}{self.method}"
         arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
@@ -230,6 +232,19 @@ class _Made(NamedTuple):
             given = ", ".join(copies.get(each, each) for each in self.arguments.values())
             begin = begin.replace(made, f"{common.name_of(self.make)}({given})", 1)
         return common.run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
+
+    def _alone(self) -> bool:
+        """True if the object itself is a step: it looks back at its steps, or goes on from any state as a new one."""
+        with suppress(Exception):
+            made, state = self.new(_START[self.kind], 0.0), _START[self.kind]
+            for i in range(_TRIED):
+                found, anew = (self.stepped(each, state, i / 4) for each in (made, self.new(state, i / 4)))
+                if not np.array_equal(np.array(found), np.array(anew)):
+                    return True
+                state = found
+            on, anew = (self.stepped(each, _START[self.kind], 0.0) for each in (made, self.new(_START[self.kind], 0.0)))
+            return bool(np.array_equal(np.array(on), np.array(anew)))
+        return False
 
     def fitted(self) -> _Made:
         """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""

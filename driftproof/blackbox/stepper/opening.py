@@ -205,6 +205,8 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
         steps = LONGER if subject.convention.run else 1
         subject = replace(subject, convention=subject.convention.of_steps(steps))
+        with suppress(findings.UnsupportedCall):  # which the trial steps have not moved
+            subject = subject.fresh(steps)
         if kind == calling.FIELD:
             ends = [subject.step_field(rate, 1.0, state, TINY) for rate in (lambda t, y: [1.0 for _ in y], zeros)]
         elif kind == calling.FORCE:
