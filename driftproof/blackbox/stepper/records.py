@@ -16,6 +16,7 @@ import numpy as np
 from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
+from driftproof.blackbox.stepper.wrapper_parts import is_before
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
@@ -25,20 +26,28 @@ _NEW = re.compile("_?(new|next|out|1)$")
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
     """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
+    found = fields_of(step, call)
+    return _record(*found) if found else None
+
+
+def fields_of(
+    step: Callable[..., Any], call: Callable[[Any], object]
+) -> tuple[str, Any, Sequence[str], Sequence[str]] | None:
+    """The name of such a record, what makes it, the names of its fields, and those that are needed; None if none is."""
     hints: Mapping[str, Any] = {}
     with suppress(Exception):  # foreign annotations may name what does not exist
         hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
     named = next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
     if named is not None:
-        return _record(named.__name__, named, *_fields(named))
+        return named.__name__, named, *_fields(named)
     asked = _Asked()
     with suppress(Exception, SystemExit):
         call(asked)
     keys, attributes = list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
     if keys:
-        return _record("dict", dict, keys, keys)
+        return "dict", dict, keys, keys
     make = dataclasses.make_dataclass("State", attributes) if all(map(str.isidentifier, attributes)) else None
-    return _record("State", make, attributes, attributes) if attributes and make else None
+    return ("State", make, attributes, attributes) if attributes and make else None
 
 
 def _fields(record: Any) -> tuple[list[str], list[str]]:
@@ -107,7 +116,7 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     places = [
         next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
     ]
-    if None in places and len(names) == 2:
+    if None in places and len(names) == 2 and not any(map(is_before, names)):
         places = list(names)
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
