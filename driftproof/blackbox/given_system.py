@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import cycle
 from math import cos
@@ -25,6 +25,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumbe
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
+    MASSES,
     STATE,
     TIME,
     parameters_of,
@@ -32,6 +33,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     role_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.forms_by_values import joined, parted
 from driftproof.blackbox.stepper.opening import imported
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
@@ -90,27 +92,38 @@ class _StepsOn(OwnSteps):
 
 @dataclass(frozen=True)
 class _Given:
-    """A system as a function, and its arguments: the time if it takes one, the state, and parameters of the step."""
+    """A system as a function, and its arguments: the time if it takes one, the state, and parameters of the step.
+
+    If it is `by_parts`, y holds the parts of a complex state, which the system takes. `beside` are numbers of the step
+    that the system does not take.
+    """
 
     function: Callable[..., Any]
     plain: Sequence[str]
-    values: Mapping[str, float]
+    values: Mapping[str, Any]
+    by_parts: bool = False
+    beside: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, system: Callable[..., Any] | str, subject: ForeignStepper) -> _Given:
         """The system, with a value for each parameter of the step that it takes by name: those of defaults are kept."""
         function, kept = imported(system, "system"), _defaults(subject)
+        masses = getattr(subject.function, "masses", None)
         taken = [each for each in parameters_of(function) or () if each in {**kept, **subject.parameters}]
         plain = [each for each in required_names(function) or ("t", "y") if each not in taken]
         if len(plain) == 2 and role_of(plain[0], (STATE,)) and not role_of(plain[1], (STATE, TIME)):
             raise BadInput(f"the system given takes {plain[1]}, which is no parameter of the step")
         values = zip((each for each in taken if each not in kept), cycle(_VALUES))
-        return cls(function, plain, {**{each: kept[each] for each in taken if each in kept}, **dict(values)})
+        held = {each: kept[each] for each in taken if each in kept}
+        beside = {} if {*MASSES} & {*held} or masses is None else {"the masses of its bodies": masses}
+        return cls(function, plain, {**held, **dict(values)}, getattr(subject.function, "by_parts", False), beside)
 
     @property
     def words(self) -> str:
         """The values in words; "" if it takes no parameters."""
-        return f" with {', '.join(f'{name} = {x:g}' for name, x in self.values.items())}" if self.values else ""
+        shown = {**self.beside, **self.values}
+        texts = (f"{name} = {', '.join(f'{each:g}' for each in np.ravel(x))}" for name, x in shown.items())
+        return f" with {'; '.join(texts)}" if shown else ""
 
     def halved(self, subject: ForeignStepper) -> _Given:
         """The same system with half of each value that is not a default."""
@@ -123,13 +136,14 @@ class _Given:
 
     def rates(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes. Raises ArithmeticError where it has none, and BadInput if they are not as many as the numbers."""
-        state: Any = np.array(y, float)
+        state: Any = joined(y) if self.by_parts else np.array(y, float)
         given = [t, state] if len(self.plain) > 1 else [state]
         if len(given) == 2 and role_of(self.plain[1], (TIME,)) and not role_of(self.plain[0], (TIME,)):
             given.reverse()
         try:
             named = dict(zip(self.plain, given, strict=True)) if self.values else {}
-            found = np.ravel(np.asarray(self.function(*([] if named else given), **named, **self.values), float))
+            slopes = self.function(*([] if named else given), **named, **self.values)
+            found = np.ravel(np.asarray(parted(slopes) if self.by_parts else slopes, float))
         except Exception as error:
             raise ArithmeticError(f"the system given raises {type(error).__name__}: {error}") from None
         if found.size != len(y):
@@ -155,10 +169,12 @@ class _Given:
         return slopes
 
 
-def _defaults(subject: ForeignStepper) -> dict[str, float]:
-    """The numbers that are defaults of the step's parameters."""
+def _defaults(subject: ForeignStepper) -> dict[str, Any]:
+    """The numbers that are defaults of the step's parameters, and the masses of bodies, under each of their names."""
     given = parameters_of(getattr(subject.function, "step", subject.function)) or {}
-    return {name: x.default for name, x in given.items() if isinstance(x.default, int | float)}
+    masses = dict.fromkeys(MASSES, getattr(subject.function, "masses", None))  # of bodies that attract each other
+    known = {name: x for name, x in masses.items() if x is not None}
+    return {**known, **{name: x.default for name, x in given.items() if isinstance(x.default, int | float)}}
 
 
 def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[ForeignStepper, list[tuple[float, ...]]]]:
@@ -197,7 +213,8 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
     given, refused, far = _Given.of(system, subject), list[BadInput](), list[str]()
-    for each in (given, *[given.halved(subject)] * bool(given.values)):  # if it has no slopes at numbers above 1
+    others = [given.halved(subject)] * bool(given.values) + [replace(given, by_parts=False)] * given.by_parts
+    for each in (given, *others):  # if it has no slopes at numbers above 1, or of a complex state
         for reading, states in _readings(each.on(subject), wanted.domain):
             try:
                 slopes = each.slopes(states)
@@ -212,6 +229,10 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
                 return _compared(reading, wanted, each, unit, [*slopes])
+        if far and each.beside:
+            raise OwnSystem(
+                f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
+            )
         if far:
             return StepFinding(False, f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]

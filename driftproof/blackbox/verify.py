@@ -24,7 +24,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.report import Report, criteria_parts, sections
+from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
@@ -123,6 +123,8 @@ def assert_verified(
         )
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
+    if report.passed is None and not report.verdict.startswith(UNDECIDED):  # where a test fails for it
+        report = replace(report, verdict=f"{UNDECIDED}: {report.verdict}")
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):

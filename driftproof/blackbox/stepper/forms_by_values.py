@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ _SHORT, _LONG = 2.0**-10, 0.25
 _MOST_BESIDE_ONE = 2
 # Where arrays may hold cells that move each other, as in a wave, or a vector in space, they have so many.
 _CELLS = 3
+# Where numbers are taken for none of the state, its vectors may have so many, as those of a matrix that is built in.
+_NUMBERS_OF_A_VECTOR = (3, 2)
 # An array that is a state may hold so many numbers.
 _NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
 
@@ -48,16 +51,20 @@ class Numbers:
         ('m', 'p')
         """
         known, size, times = _names_of(step)
-        start = [1 / (i + 2) for i in range(len(known))]
         if not size:
             return None
         no_state = calling.matrices(known) or calling.launch(known)
         least = 1 if len(known) <= 1 + _MOST_BESIDE_ONE and not no_state else 2
-        with suppress(Exception):
-            end = np.atleast_1d(np.array(cls(step, known, {}, size, times)._called(start, 0.0, _SHORT**2), float))
-            if least <= end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
-                ones = dict.fromkeys(known[end.size :], 1.0)
-                return cls(step, known[: end.size], ones, size, times)._of_cells()
+        for cells in (1, *_NUMBERS_OF_A_VECTOR):
+            start = 1 / np.arange(2.0, 2 + len(known) * cells).reshape(len(known), cells)
+            with suppress(Exception):
+                given = start if cells > 1 else start[:, 0].tolist()
+                end = np.atleast_1d(np.array(cls(step, known, {}, size, times)._called(given, 0.0, _SHORT**2), float))
+                near = np.allclose(end.reshape(-1, cells), start[: len(end)], rtol=0, atol=_SHORT)
+                if max(least, min(cells, 2)) <= len(end) <= len(start) and end.size == len(end) * cells and near:
+                    ones = dict.fromkeys(known[len(end) :], 1.0)
+                    found = cls(step, known[: len(end)], ones, size, times, cells)
+                    return found._of_cells() if cells == 1 else found
         return None
 
     def _of_cells(self) -> Numbers:
@@ -97,28 +104,44 @@ class Numbers:
 def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     """Yield the step(y, h) of one whose first argument is an array that a very short step leaves nearly as it was.
 
-    What it takes besides, as a control, is 1.
+    What it takes besides, as a control, is 1. Where the array is complex, y holds its real parts, then the others.
     """
     known, size, times = _names_of(step)
     if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
         return
 
-    def form(others: Mapping[str, float]) -> Callable[..., Any]:
+    def form(others: Mapping[str, float], by_parts: bool = False) -> Callable[..., Any]:
         def called(y: Foreign, t: float, h: float) -> Foreign:
-            moved = copy(y)
+            moved = joined(y) if by_parts else copy(y)
             answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | {**others})
-            return moved if answer is None else answer
+            end = moved if answer is None else answer
+            return parted(end) if by_parts else end
 
-        return _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known[:1], others, form)
+        plain = called if times else lambda y, h: called(y, 0.0, h)
+        made: Any = _read_as(plain, step, known[:1], others, partial(form, by_parts=by_parts))
+        made.by_parts = by_parts
+        return made  # type: ignore[no-any-return]
 
-    found, at = form(dict.fromkeys(known[1:], 1.0)), (0.0,) * bool(times)
+    ones, at = dict.fromkeys(known[1:], 1.0), (0.0,) * bool(times)
+    found = form(ones)
     for count in _NUMBERS_OF_AN_ARRAY:
         with suppress(Exception):
             start = np.array([1 / (i + 2) for i in range(count)])
             near, far = (found(start, *at, h) for h in (_SHORT**2, _LONG))
             if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
-                yield found
+                yield form(ones, by_parts=True) if np.iscomplexobj(far) and np.imag(far).any() else found
                 return
+
+
+def joined(y: Foreign) -> Foreign:
+    """The complex numbers with these real parts, and then these imaginary parts."""
+    real, imaginary = np.split(np.asarray(y, float), 2)
+    return real + 1j * imaginary
+
+
+def parted(z: Foreign) -> Foreign:
+    """The real parts of complex numbers, and then the imaginary parts."""
+    return np.concatenate([np.real(z), np.imag(z)])
 
 
 def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:

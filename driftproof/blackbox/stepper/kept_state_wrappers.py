@@ -226,5 +226,6 @@ def advance_of(cls: type) -> str:
 def kept_wrapper(kept: Sequence[str], advance: Any) -> str:
     """What to write in a call of `stepper_of` to set what an object keeps from its last step, with words to replace."""
     puts = ", ".join(f"setattr(made, '{name}', {name.upper()}_AT_ITS_STATE)" for name in kept)
-    act = f"made.{advance}(h)" if isinstance(advance, str) else "ADVANCE(made, h)"
-    return f"; write advance=lambda made, h: ({puts}, {act}) in the call of stepper_of"
+    if not isinstance(advance, str):
+        return f"; if its advance sets {', '.join(kept)} already, the step itself makes something else of what it kept"
+    return f"; write advance=lambda made, h: ({puts}, made.{advance}(h)) in the call of stepper_of"

@@ -251,6 +251,8 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         if (record := record_of(step, partial(called, None))) is not None:
             free = _form(called, record, False, {}, 1.0)
             yield lambda q, v, h: free(None, q, v, 0.0, h)
+        elif found := fields_of(step, partial(called, None)):
+            yield from _of_numbers(partial(called, None), *found)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
     sign = -1.0 if calling.has_gradient([pushed]) else 1.0
@@ -273,6 +275,28 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         called(asks, (1.0, 0.5))
     if seen and not any(map(np.ndim, seen)):  # a pair, which the step takes apart
         yield _untimed(_form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, {}, sign))
+
+
+def _of_numbers(
+    step: Callable[..., Foreign], name: str, make: Any, names: Sequence[str], needed: Sequence[str]
+) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h), or step(t, y, h), of a record of several numbers, in the order in which it returns them."""
+    if len(needed) <= 2 or any(map(is_before, needed)):
+        return
+    order = list(needed)
+    with suppress(Exception):
+        returned = [*parts_of(step(make(**dict.fromkeys(needed, 0.5))))]
+        order = returned if {*returned} == {*needed} else order
+
+    def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
+        state = make(**dict(zip(order, map(float, y), strict=True)))
+        found = step(state, t, h)
+        parts = parts_of(state if found is None else found)
+        return [parts[each] for each in order]
+
+    form: Any = lambda y, h: moved(0.0, y, h)
+    form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
+    yield form
 
 
 def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
