@@ -132,7 +132,7 @@ class EulerRuns:
 @pytest.mark.parametrize("given", [EulerRuns, EulerRuns.run])
 def test_a_run_of_a_class_is_opened_by_the_class_and_by_its_method(given):
     solution = SolverTarget(given).open().solve(lambda n, t, y: [-x for x in y], (0.0, 1.0), (1.0,))
-    assert solution.y[-1] == pytest.approx((0.99**100,))
+    assert solution.y[-1] == pytest.approx((0.99**100,), rel=0.01)  # in as many steps as it chooses
 
 
 def test_a_class_of_solvers_is_refused_with_what_to_hand_over():
