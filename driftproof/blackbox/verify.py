@@ -26,6 +26,7 @@ from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOM
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
+from driftproof.blackbox.stepper.wrappers import substeps_wrapper
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.given_methods import method_of, subject_of
@@ -158,6 +159,8 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         refuted = _refutation(runner, seen)
         data["instead"] = refuted.instead.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
+        if " steps of h/" in verdict:
+            verdict += runner.outcome_of(substeps_wrapper).result or ""
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
     parts.append(("Faults", others))
     told = (reply.result for reply in replies if isinstance(reply.result, Remarked))

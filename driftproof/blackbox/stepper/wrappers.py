@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from driftproof.blackbox.stepper import calling_conventions as calling
@@ -88,6 +89,17 @@ def turn_wrapper(subject: ForeignStepper) -> str:
     return _of_call(
         subject, body, given={calling.FUNCTION: "lambda t, y: turn(f(t, turn(y)))", calling.STATE: "turn(y)"}
     )
+
+
+def substeps_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper of one step of several in a call, by the only count among its defaults; "" if there is none."""
+    given = calling.parameters_of(subject.function) or {}
+    counts = [name for name, x in given.items() if type(x.default) is int and x.default > 1]
+    if len(counts) != 1:
+        return ""
+    found = subject.convention
+    once = replace(subject, convention=replace(found, extra={**found.extra, counts[0]: 1}))
+    return _of_call(once, "return {}", "f" if found.kind == calling.FIELD else "force")
 
 
 def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Mapping[str, str] | None = None) -> str:
