@@ -38,6 +38,7 @@ from driftproof.blackbox.stepper.opening import imported
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Method, MethodError, Splitting
+from driftproof.support.plain_text import counted
 
 # States beside those at which a built-in system is seen, as parts of them; how short a step shows slopes, to what part.
 _BESIDE, _SHORT, _ALIKE = 2, 2.0**-20, 2.0**-10
@@ -215,7 +216,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     given, refused, far = _Given.of(system, subject), list[BadInput](), list[str]()
     others = [given.halved(subject)] * bool(given.values) + [replace(given, by_parts=False)] * given.by_parts
     for each in (given, *others):  # if it has no slopes at numbers above 1, or of a complex state
-        for reading, states in _readings(each.on(subject), wanted.domain):
+        for place, (reading, states) in enumerate(_readings(each.on(subject), wanted.domain)):
             try:
                 slopes = each.slopes(states)
             except BadInput as error:
@@ -228,7 +229,8 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
                 what = f"of {len(states[0])} numbers its system is the one given, but not of more"
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
-                return _compared(reading, wanted, each, unit, [*slopes])
+                size = f" in {counted(len(states[0]), 'number')}" * bool(place)
+                return _compared(reading, wanted, each.words + size, each.rates, unit, [*slopes])
         if far and each.beside:
             raise OwnSystem(
                 f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
@@ -239,12 +241,17 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
 
 
 def _compared(
-    subject: ForeignStepper, wanted: Specification, given: _Given, unit: float, states: Sequence[tuple[float, ...]]
+    subject: ForeignStepper,
+    wanted: Specification,
+    words: str,
+    rates: Callable[[float, Sequence[float]], list[float]],
+    unit: float,
+    states: Sequence[tuple[float, ...]],
 ) -> StepFinding:
-    """Compare steps from these states, and from some beside them, with the method's."""
+    """Compare steps from these states, and from some beside them, with the method's; the system as its `words` say."""
     key = wanted.method.key
     beside = [tuple(x * (1 + cos(7 * i + 3 * k) / 4) for k, x in enumerate(y)) for i in range(_BESIDE) for y in states]
-    steps = _StepsOn(subject, [*states, *beside], unit, given.rates)
+    steps = _StepsOn(subject, [*states, *beside], unit, rates)
     try:
         off, far = steps.off(wanted)
     except MethodError as why_not:
@@ -253,7 +260,7 @@ def _compared(
     if far and pushed:
         raise OwnSystem(f"its force depends on the velocity, and with that before each kick {far}")
     counted = f"to {f'{off:.0e}' if off else 'the last digit'} in {2 * len(steps.times) * len(steps.states)} steps"
-    return StepFinding(not far, far or f"is {key} on the system given{given.words}{pushed}, {counted}")
+    return StepFinding(not far, far or f"is {key} on the system given{words}{pushed}, {counted}")
 
 
 def left_at_one(subject: ForeignStepper, system: Callable[..., Any] | str) -> str:

@@ -157,7 +157,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
         _, named, more = read.verdict.partition(f"it is {method.key}")
         equal, across = " in steps of equal length" * isinstance(method, Multistep), getattr(read, "slow_across", "")
         verdict = "; ".join(filter(None, [f"is {method.key}{equal}{more * bool(named)}", across]))
-        data["remarks"] = [*read.data.get("remarks", []), *filter(None, [across])]
+        data["remarks"] = read.data.get("remarks", [])
     return Report(name, verdict, passed, sections(*parts), data)
 
 
