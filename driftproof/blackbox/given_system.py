@@ -33,7 +33,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     role_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import joined, parted
+from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
@@ -137,14 +137,14 @@ class _Given:
 
     def rates(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes. Raises ArithmeticError where it has none, and BadInput if they are not as many as the numbers."""
-        state: Any = joined(y) if self.by_parts else np.array(y, float)
+        state: Any = as_complex(y) if self.by_parts else np.array(y, float)
         given = [t, state] if len(self.plain) > 1 else [state]
         if len(given) == 2 and role_of(self.plain[1], (TIME,)) and not role_of(self.plain[0], (TIME,)):
             given.reverse()
         try:
             named = dict(zip(self.plain, given, strict=True)) if self.values else {}
             slopes = self.function(*([] if named else given), **named, **self.values)
-            found = np.ravel(np.asarray(parted(slopes) if self.by_parts else slopes, float))
+            found = np.ravel(np.asarray(as_reals(slopes) if self.by_parts else slopes, float))
         except Exception as error:
             raise ArithmeticError(f"the system given raises {type(error).__name__}: {error}") from None
         if found.size != len(y):

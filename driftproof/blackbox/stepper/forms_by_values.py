@@ -112,10 +112,10 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
     def form(others: Mapping[str, float], by_parts: bool = False) -> Callable[..., Any]:
         def called(y: Foreign, t: float, h: float) -> Foreign:
-            moved = joined(y) if by_parts else copy(y)
+            moved = as_complex(y) if by_parts else copy(y)
             answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | {**others})
             end = moved if answer is None else answer
-            return parted(end) if by_parts else end
+            return as_reals(end) if by_parts else end
 
         plain = called if times else lambda y, h: called(y, 0.0, h)
         made: Any = _read_as(plain, step, known[:1], others, partial(form, by_parts=by_parts))
@@ -133,13 +133,13 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                 return
 
 
-def joined(y: Foreign) -> Foreign:
+def as_complex(y: Foreign) -> Foreign:
     """The complex numbers with these real parts, and then these imaginary parts."""
     real, imaginary = np.split(np.asarray(y, float), 2)
     return real + 1j * imaginary
 
 
-def parted(z: Foreign) -> Foreign:
+def as_reals(z: Foreign) -> Foreign:
     """The real parts of complex numbers, and then the imaginary parts."""
     return np.concatenate([np.real(z), np.imag(z)])
 
