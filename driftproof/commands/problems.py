@@ -23,12 +23,13 @@ def stability_command(options: Namespace) -> str:
     examples:
       driftproof stability                                        lists the problems
       driftproof stability stiff_oscillator
-      driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
+      driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler,bdf2,rodas4
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
     On a linear problem y' = Ay, or y' = Ay + b with a point of rest, the verdicts are proved, for the exact value of
     the double h that is run; on one of your own, if it has at most 20 components and none of its solutions grows. The
     largest step size is also found by bisection with float steps. On any other problem the verdicts are observations.
+    The first values of a multistep method are steps of another one, which is named.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
@@ -75,7 +76,7 @@ def work_precision_command(options: Namespace) -> str:
 
     examples:
       driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
-      driftproof work-precision kaps --methods rk4,radau_iia2 --time-limit 0.01 -o measured/
+      driftproof work-precision kaps --methods rk4,radau_iia2,bdf2 --time-limit 0.01 -o measured/
       driftproof work-precision kepler --error 1e-8 --time-limit 0.01
 
     Without any argument: seven methods on the harmonic oscillator, in about twenty seconds.

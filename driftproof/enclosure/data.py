@@ -26,13 +26,14 @@ def interpolated(
 
     The slope is exact, where NumPy rounds it. With a period, both x and the points are taken modulo it.
     """
-    knots, values = _exact(xp), _exact(fp)
+    points: Any = _Exact(xp), _Exact(fp)
     if period is not None:
         whole = abs(Fraction(period))
-        within = sorted(zip([k % whole for k in knots], values, strict=True))
+        within = sorted(zip([k % whole for k in points[0]], points[1], strict=True))
         (first, its), (last, other) = within[0], within[-1]
-        knots, values = zip((last - whole, other), *within, (first + whole, its), strict=True)
+        points = zip((last - whole, other), *within, (first + whole, its), strict=True)
         x = x % whole
+    knots, values = points
     i = bisect_right(knots, x)
     if i == 0:
         return values[0] if left is None else left
@@ -46,7 +47,7 @@ def bin_of(x: Enclosed, bins: Sequence[float], right: bool = False) -> int:
 
     With `right`, it is of the bin on its left.
     """
-    edges = _exact(bins)
+    edges = _Exact(bins)
     find = bisect_left if right else bisect_right
     return find(edges, x) if edges[0] <= edges[-1] else len(edges) - find(edges[::-1], x)
 
@@ -55,7 +56,7 @@ def sorted_place(among: Sequence[float], x: Enclosed, side: str = "left", sorter
     """numpy.searchsorted at a number: how many of the rising numbers are below x, with side "right" not above it."""
     if sorter is not None:
         raise Refused("f gives numpy.searchsorted a sorter; sort the numbers themselves")
-    return (bisect_right if side == "right" else bisect_left)(_exact(among), x)
+    return (bisect_right if side == "right" else bisect_left)(_Exact(among), x)
 
 
 def spline_of(value: Any) -> Callable[..., Any] | None:
@@ -79,7 +80,7 @@ def spline_of(value: Any) -> Callable[..., Any] | None:
 
 def _of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
     """A `PPoly` at a number: the polynomial of the piece that x is in, with its coefficients."""
-    knots, rows = _exact(spline.x), _exact(spline.c)
+    knots, rows = _Exact(spline.x), _Exact(spline.c)
     if derivative < 0 or knots[0] > knots[-1]:
         raise Refused("f takes an integral of a spline, or a spline whose knots decrease")
     x = _within(x, knots[0], knots[-1], spline.extrapolate)
@@ -93,10 +94,10 @@ def _of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
 def _of_basis(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
     """A sum of B-splines, of knots, coefficients and degree, by de Boor's recursion on the piece that x is in."""
     knots, coefficients, degree = of
-    t, count = _exact(knots), len(knots) - degree - 1
+    t, count = _Exact(knots), len(knots) - degree - 1
     x = _within(x, t[degree], t[count], extrapolate)
     i = bisect_right(t, x, degree + 1, count) - 1
-    d = [*_exact(coefficients)[i - degree : i + 1]]
+    d = [*_Exact(coefficients)[i - degree : i + 1]]
     for level in range(1, degree + 1):
         for j in range(degree, level - 1, -1):
             left, right = t[i - degree + j], t[i + 1 + j - level]
@@ -106,13 +107,13 @@ def _of_basis(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
 
 def _of_points(table: Any, x: Enclosed) -> Any:
     """An interp1d at a number: by lines, by the values of points that are next to it, or by splines."""
-    knots, values = _exact(table.x), _exact(table.y)
+    knots, values = _Exact(table.x), _Exact(table.y)
     if not table._extrapolate:
         for beyond, fill in ((x < knots[0], "_fill_value_below"), (x > knots[-1], "_fill_value_above")):
             if beyond and table.bounds_error:
                 raise Refused("f takes data beyond their ends")
             if beyond:
-                return _exact(getattr(table, fill)).item()
+                return _Exact(np.ravel(getattr(table, fill)))[0]
     if table._kind == "previous":
         return values[bisect_right(knots, x) - 1]
     if table._kind == "next":
@@ -132,8 +133,16 @@ def _within(x: Enclosed, first: Fraction, last: Fraction, extrapolate: Any) -> A
     return x
 
 
-def _exact(doubles: Any) -> Any:
-    """The doubles as Fractions, which are data and not constants of f."""
-    if np.iscomplexobj(doubles):
-        raise Refused("f uses complex data")
-    return np.vectorize(Fraction, otypes=[object])(np.asarray(doubles, dtype=float))[()]
+class _Exact(Sequence[Any]):
+    """Doubles as Fractions, which are data and not constants of f; each is converted where it is asked for."""
+
+    def __init__(self, doubles: Any) -> None:
+        if np.iscomplexobj(doubles):
+            raise Refused("f uses complex data")
+        self._doubles = np.asarray(doubles, dtype=float)
+
+    def __len__(self) -> int:
+        return len(self._doubles)
+
+    def __getitem__(self, place: Any) -> Any:
+        return np.vectorize(Fraction, otypes=[object])(self._doubles[place])[()]

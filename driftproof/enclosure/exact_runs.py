@@ -19,11 +19,11 @@ from driftproof.enclosure.numbers import Enclosed, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST
 from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.trajectories import Trajectory
+from driftproof.methods.explicit_steps import array_step
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import array_step
 from driftproof.symbolic.algebra.certified import enclose
 
 # SciPy's explicit solvers, and the methods whose coefficients they hold as doubles.

@@ -26,7 +26,8 @@ TABLES = (
     *("basic", "explicit", "stabilised", "embedded", "high_order_pairs", "decimal_pairs", "implicit"),
     *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
-# The tables of methods whose step takes more than one state and f: there are facts of them, but no runs or derivations.
+# The tables of methods whose step takes more than one state and f: there are facts of them, but no exact runs or
+# derivations; those of one f have float runs.
 TABLES_OF_FACTS = ("multistep", "rosenbrock", "additive")
 FactsOnly: TypeAlias = Multistep | Rosenbrock | Additive
 Entry: TypeAlias = Method | FactsOnly
@@ -105,9 +106,10 @@ def of_one_state(method: Entry, name: str = "") -> Method:
     if isinstance(method, FactsOnly):
         starts = isinstance(method, Multistep) and method.derivative == 1
         asked = f"`driftproof value 'run {name or method.key} started=rk4 h=0.1 t=1 : state_error'`"
+        floats = "" if isinstance(method, Additive) else ", `driftproof stability` and `driftproof work-precision`"
         raise MethodError(
-            f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify` accept it, but runs and "
-            "derivations do not; they need a method whose step takes one state and one f"
+            f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify`{floats} accept it, but exact "
+            "runs and derivations do not; they need a method whose step takes one state and one f"
             + f"; what gives its first values is named by {asked}"
             * starts
         )

@@ -7,6 +7,7 @@ from os.path import exists, isdir
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import (
     METHODS,
     Entry,
@@ -41,12 +42,12 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
 
 
 def methods_of(given: GivenMethods) -> list[Entry]:
-    """One method or several, whose keys may stand in one text: "rk4,heun2"; not all of them may have facts only.
+    """One method or several, whose keys may stand in one text: "rk4,heun2"; not all of them may be IMEX methods.
 
     Raises ValueError.
     """
     found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
-    if found and not any(isinstance(each, Method) for each in found):
+    if found and all(isinstance(each, Additive) for each in found):
         method_of(_each(given)[0])  # raises
     return found
 

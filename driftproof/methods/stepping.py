@@ -1,6 +1,6 @@
 """The step of a method for q' = v, v' = F(q), as a function of numbers of any type.
 
-Its text is the straight-line program text of `vector_fields.field_source`, without zero terms. It contains no number
+Its text is the straight-line program text of `explicit_steps.field_source`, without zero terms. It contains no number
 and no branch on a value, so it works in every arithmetic to which the coefficients are converted: steps are run in
 floats, in fractions and with polynomials, and traced to derive rounding bounds.
 """
@@ -12,11 +12,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from driftproof.methods.explicit_steps import CalledField, FieldSource, field_source
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import CalledField, FieldSource, field_source
 
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.
 Number: TypeAlias = Any

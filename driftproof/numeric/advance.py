@@ -1,4 +1,4 @@
-"""Run any method on any problem step by step: explicit methods by program text, implicit ones by Newton's method."""
+"""Run any method on any problem step by step: explicit ones by program text, others by loops that solve equations."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
+from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.explicit_steps import field_source
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.program_text import indented, maker_text
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField, field_source
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import compiled_runner, elementwise, program_function, runner
 from driftproof.numeric.implicit import ImplicitRun, implicit_runner
+from driftproof.numeric.multistep import MultistepRun, multistep_runner
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.rosenbrock import rosenbrock_runner
 from driftproof.numeric.run import nearest_double
 
 State: TypeAlias = tuple[float, ...]
@@ -21,20 +27,29 @@ Rate: TypeAlias = Callable[[float, Any], list[float]]
 Advance: TypeAlias = Callable[[State, float, int, int], State]
 
 
-def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Advance:
+def advance(method: Entry, problem: Problem, *, compiled: bool = False) -> Advance:
     """Return advance(y, h, first, last) -> y of the method on the problem, in Python floats or compiled by numba.
 
-    Raises MethodError if the method does not apply, such as a splitting on a problem of first order. The function that
-    it returns raises ArithmeticError or ValueError if floats overflow, f is undefined or stages are not found.
+    The states of a multistep method carry those before; see `MultistepRun`. Raises MethodError if the method does not
+    apply, such as a splitting on a problem of first order. The function that it returns raises ArithmeticError or
+    ValueError if floats overflow, f is undefined or stages are not found.
     """
-    if method.explicit:
-        return (compiled_runner if compiled else runner)(method, problem.field)
-    return implicit_runner(method, problem.field, compiled=compiled)
+    if isinstance(method, Multistep):
+        start = lambda first: advance(first, problem, compiled=compiled)
+        return multistep_runner(method, problem.field, start, compiled=compiled)
+    if isinstance(method, Rosenbrock):
+        return rosenbrock_runner(method, problem.field, compiled=compiled)
+    one_step = of_one_state(method)
+    if one_step.explicit:
+        return (compiled_runner if compiled else runner)(one_step, problem.field)
+    return implicit_runner(one_step, problem.field, compiled=compiled)
 
 
-def evaluations_of(run: Advance, method: Method, problem: Problem, steps: int) -> int:
+def evaluations_of(run: Advance, method: Entry, problem: Problem, steps: int) -> int:
     """The number of evaluations of f by `run`, which has taken `steps` steps since it was made."""
-    return run.calls if isinstance(run, ImplicitRun) else counted_evaluations(method, problem, steps)
+    if isinstance(run, MultistepRun):
+        return run.calls + evaluations_of(run.starter, run.start_method, problem, run.begun)
+    return run.calls if isinstance(run, ImplicitRun) else counted_evaluations(of_one_state(method), problem, steps)
 
 
 def error_summary(error: Exception) -> str:

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.methods.explicit_steps import FieldSource, field_source
 from driftproof.methods.program_text import indented, maker_text, used_stages
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import step_control
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.field_loops import field_writers

@@ -48,7 +48,7 @@ _Vector: TypeAlias = NDArray[np.float64]
 _Rate: TypeAlias = Callable[[float, _Vector], Any]
 # (t, y) -> the n x n matrix of the derivatives of the rate.
 Jacobian: TypeAlias = Callable[[float, _Vector], Any]
-_NO_STEP = (0.0,) * (newton.SYSTEM + 1)  # the report before the first step
+NO_STEP = (0.0,) * (newton.SYSTEM + 1)  # the report before the first step
 
 
 class StageEquationsUnsolved(ArithmeticError):
@@ -91,10 +91,10 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     writers, table = FieldWriters(given.write_rate, given.write_derivatives), _table(method)
 
     def step(t: float, y: Any, h: float) -> ImplicitStep:
-        state, report, given.h = np.array(y, np.float64).tolist(), list(_NO_STEP), h
+        state, report, given.h = np.array(y, np.float64).tolist(), list(NO_STEP), h
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             run_steps(writers, t, state, h, 0, 1, table, report)
-        _require_done(method, report, t, h)
+        require_done(method.key, report, t, h)
         residual, over_floor = report[newton.RESIDUAL], report[newton.OVER_FLOOR]
         return ImplicitStep(np.array(state), residual, over_floor, int(report[newton.ITERATIONS]))
 
@@ -136,23 +136,24 @@ class _UserFunctions:
 
 @dataclass
 class ImplicitRun:
-    """run(y, h, first, last) -> y of an implicit method for y' = f(t, y): steps first to last - 1, step i from i h.
+    """run(y, h, first, last) -> y of the loop `steps` for y' = f(t, y): steps first to last - 1, step i from i h.
 
-    `calls` counts the evaluations of f so far. Raises StageEquationsUnsolved.
+    `key` is that of the method, and `made` makes the rows that the loop takes. `calls` counts the evaluations of f so
+    far. Raises StageEquationsUnsolved.
     """
 
-    method: Method
+    key: str
     steps: Callable[..., None]
-    table: StepTable
+    table: Any
     made: Callable[[Any], Any]
     calls: int = 0
 
     def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
         """Return the state after steps first to last - 1."""
-        state, report = self.made(y), self.made(_NO_STEP)
+        state, report = self.made(y), self.made(NO_STEP)
         self.steps(0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
-        _require_done(self.method, report, 0.0, h)
+        require_done(self.key, report, 0.0, h)
         return tuple(map(float, state))
 
 
@@ -164,9 +165,9 @@ def implicit_runner(method: Method, field: VectorField, *, compiled: bool = Fals
     """
     table, run = _table(method), _on_field(run_steps, field, compiled=compiled)
     if not compiled:
-        return ImplicitRun(method, run, table, list)
+        return ImplicitRun(method.key, run, table, list)
     arrays = StepTable._make((*map(np.array, table[:4]), table.way))
-    return ImplicitRun(method, run, arrays, lambda x: np.array(x, np.float64))
+    return ImplicitRun(method.key, run, arrays, lambda x: np.array(x, np.float64))
 
 
 def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
@@ -181,9 +182,9 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
         require_ensemble(y, len(field.rates))
 
         def run_part(start: int, stop: int) -> None:
-            report = np.array(_NO_STEP)
+            report = np.array(NO_STEP)
             run(y, h, first, last, arrays, report, start, stop)
-            _require_done(method, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
+            require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
 
         in_threads(run_part, y.shape[1], threads)
 
@@ -215,11 +216,11 @@ def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
     return (*((i, i + 1) for i in range(ahead)), *rest)
 
 
-def _require_done(method: Method, report: Any, t: float, h: float, whose: str = "") -> None:
-    """Raise StageEquationsUnsolved, in one line, if the step failed."""
-    name = f"{method.key}: {whose}"
-    if report[newton.STATE] == newton.OVERFLOWS:
-        where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
+def require_done(key: str, report: Any, t: float, h: float, whose: str = "") -> None:
+    """Raise StageEquationsUnsolved, in one line, if the step of the method with this key failed."""
+    name, where = f"{key}: {whose}", f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}"
+    if report[newton.STATE] in (newton.OVERFLOWS, newton.SINGULAR):
+        reason = "overflows binary64" if report[newton.STATE] == newton.OVERFLOWS else "has a singular matrix"
         raise StageEquationsUnsolved(f"{name}{where} {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
         left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times its rounding error"

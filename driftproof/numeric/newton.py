@@ -25,7 +25,7 @@ SHORTEST = 2.0**-20
 # Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
 # and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
-DONE, UNSOLVED, OVERFLOWS = range(3)
+DONE, UNSOLVED, OVERFLOWS, SINGULAR = range(4)
 # How the new state is formed: it is the last stage, or is formed from the moves, or from the slopes.
 LAST, MOVES, SLOPES = range(3)
 
@@ -229,6 +229,12 @@ def _solved_group(
     return solved
 
 
+def solved_group(writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any) -> bool:
+    """Solve for the moves Z from Z = start, damped if it fails without damping; True if solved."""
+    plain = _solved_group(writers, equations, start, moves, report, damped=False)
+    return plain or _solved_group(writers, equations, start, moves, report, damped=True)
+
+
 def _group_equations(
     writers: FieldWriters, t: float, y: Any, h: float, table: StepTable, first: int, last: int, slopes: Any
 ) -> Equations:
@@ -258,8 +264,7 @@ def _take_step(writers: FieldWriters, t: float, y: Any, h: float, table: StepTab
         if _largest_entry(equations.a) > 0:
             # from the stage before: w may lie, where f is stiff, beyond another solution
             start = moves[first - 1] if first else writers.zeros(n)
-            plain = _solved_group(writers, equations, start, found, report, damped=False)
-            if not plain and not _solved_group(writers, equations, start, found, report, damped=True):
+            if not solved_group(writers, equations, start, found, report):
                 return UNSOLVED
             # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
             if last - first == 1:

@@ -12,12 +12,17 @@ from typing import TypeVar
 from flint import ctx
 
 from driftproof.enclosure.problem_tables import GivenParameters
-from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
+from driftproof.methods.additive import Additive
+from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.given_methods import GivenMethods, methods_of
+from driftproof.methods.multistep import Multistep
+from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
+from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits, largest_state_size
@@ -34,11 +39,20 @@ from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted, table, with_digits
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
-from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, Uncertified, enclose, significant
+from driftproof.symbolic.algebra.certified import (
+    HALF_EVEN,
+    CertifiableReal,
+    EnclosedReal,
+    Uncertified,
+    enclose,
+    significant,
+)
 from driftproof.symbolic.facts import Facts
-from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.multistep import MultistepFacts
+from driftproof.symbolic.linear.multistep_systems import MultistepSystemFacts
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
-from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounded_at, stiffest_factor
+from driftproof.symbolic.linear.stability_limits import Infinity
+from driftproof.symbolic.linear.systems import LinearSystem, SystemFacts, limit_of
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
@@ -105,59 +119,87 @@ def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Jso
 def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
     header = {"method": method.key, "title": method.title}
     try:
-        runs = advance(method := of_one_state(method), problem)
+        runs = advance(method, problem)
     except MethodError as reason:
         return {**header, "refused": str(reason)}
-    found = None if problem.matrix is None else SystemFacts(method, problem.matrix)
+    found = None if problem.matrix is None else _system_facts(method, problem.matrix)
     return {
         **header,
+        **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
         "expected": expected_of(problem, method),
-        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, found)),
+        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
     }
 
 
 def expected_of(problem: Problem, method: Entry) -> str:
     """What the problem says is expected of methods of this kind; "" if nothing."""
-    return "" if isinstance(method, FactsOnly) else problem.expected.get(behaviour(method, problem), "")
+    return "" if isinstance(method, Additive) else problem.expected.get(behaviour(method, problem), "")
 
 
 def steps_in_words(problem: Problem, method: Entry) -> str:
     """The steps that the method can take: proved on a linear problem, else how many follow the solution to its end."""
     try:
-        runs = advance(method := of_one_state(method), problem)
+        runs = advance(method, problem)
     except MethodError as reason:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
-        return _limit_text(_proved_limit(SystemFacts(method, problem.matrix)))
+        return _limit_text(_proved_limit(_system_facts(method, problem.matrix)))
     fewest, most = _nonlinear_part(problem, method, runs).values()
     return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
 
 
-def _proved_limit(found: SystemFacts) -> Json:
-    return {"limit": record(SYSTEM_FACTS["step_limit"](found)), "attained": SYSTEM_FACTS["step_limit_attained"](found)}
+def _system_facts(method: Entry, rows: Sequence[Sequence[Fraction]]) -> LinearSystem:
+    if isinstance(method, Multistep):
+        return MultistepSystemFacts(method, rows)
+    return SystemFacts(_on_linear_problems(method), rows)
 
 
-def behaviour(method: Method, problem: Problem) -> str:
+def _on_linear_problems(method: Entry) -> Method:
+    return method.linear_twin() if isinstance(method, Rosenbrock) else of_one_state(method)
+
+
+def _proved_limit(found: LinearSystem) -> Json:
+    limit, attained = limit_of(found)
+    return {"limit": record(limit), "attained": attained}
+
+
+def behaviour(method: Entry, problem: Problem) -> str:
     """The key of `Problem.expected` for the method: its strongest proved property there, else explicit or implicit."""
-    facts = Facts(method)
-    known = [name for name in ("symplectic", "l_stable", "a_stable") if getattr(facts, name)]
-    return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
+    if isinstance(method, Multistep):
+        facts = MultistepFacts(method)
+        damps = bool(facts.a_stable) and not any(method.sigma[:-1])
+        known = {"l_stable": damps, "a_stable": facts.a_stable}
+    else:
+        found = Facts(_on_linear_problems(method))
+        known = {name: getattr(found, name) for name in ("symplectic", "l_stable", "a_stable")}
+    names = (name for name, holds in known.items() if holds and name in problem.expected)
+    return next(names, "explicit" if method.explicit else "implicit")
 
 
-def _linear_part(problem: Problem, found: SystemFacts) -> Json:
-    runs = advance(found.method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
+def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
+    runs = advance(method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
     norm, limit = max(sum(abs(x) for x in row) for row in found.rows) or 1, _proved_limit(found)
-    is_bounded = lambda h: stays_bounded(runs, len(problem.start), h)
+    step, components = runs, len(problem.start)
+    if isinstance(runs, MultistepRun):
+        step, components = runs.of_all, components * runs.method.steps
+    is_bounded = lambda h: stays_bounded(step, components, h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
     low, high = largest_bounded(is_bounded, 1 / float(norm), float(proved))
     again = bounded_again(is_bounded, high) if low and isfinite(high) else ()
-    r = stability_function_of(found.method)
     return {
         **limit,
-        "at_infinity": None if r is None else "oo" if (at := r.at_infinity()) is None else str(at),
+        "at_infinity": _at_infinity_text(found.at_infinity()),
         "seen": {"bounded": repr(low), "grows": repr(high), **({"again": list(map(repr, again))} if again else {})},
     }
+
+
+def _at_infinity_text(size: Exact | Infinity | EnclosedReal | None) -> str | None:
+    if isinstance(size, Infinity):
+        return "oo"
+    if isinstance(size, EnclosedReal):
+        return significant(size, _DIGITS)
+    return None if size is None else str(size)
 
 
 def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
@@ -166,10 +208,13 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
     return VectorField(tuple(" + ".join(y if x == 1 else f"({x}) * {y}" for x, y in each) or "0" for each in terms))
 
 
-def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
+def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     start, extent = float_start(problem), largest_state_size(problem)
+    least = method.steps if isinstance(method, Multistep) else 1  # fewer are those of another method
 
     def follows(steps: int) -> bool:
+        if steps < least:
+            return False
         seen = observe(runs, start, step_times(problem.t, steps).h, steps, _LOST * extent)
         return seen.failed_after is None and error_of(problem, seen) <= _FOLLOWS * extent
 
@@ -177,7 +222,7 @@ def _nonlinear_part(problem: Problem, method: Method, runs: Advance) -> Json:
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, steps: int) -> Json:
+def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
     h = step_times(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -193,14 +238,14 @@ def _run_answer(problem: Problem, runs: Advance, found: SystemFacts | None, step
     }
 
 
-def _proved_at(found: SystemFacts, h: Fraction) -> Json:
+def _proved_at(found: LinearSystem, h: Fraction) -> Json:
     """Boundedness at exactly the h that is run, and the factor per step of the eigenvalue that is largest in size."""
     try:
-        bounded: bool | str = bounded_at(found, h)
+        bounded: bool | str = found.bounded_at(h)
     except UndecidedLimitError as reason:
         bounded = str(reason)
     try:
-        factor = stiffest_factor(found, h)
+        factor = found.stiffest_factor(h)
         shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), _DIGITS)
         return {"bounded": bounded, "factor": shown, "factor_less_one": _minus_one(factor)}
     except ArithmeticError as reason:  # Uncertified, or a pole
@@ -233,7 +278,8 @@ def stability_text(answer: Json) -> str:
     refused = [entry for entry in answer["methods"] if "refused" in entry]
     tables = [part(answer, applying) for part in (_limits_text, _runs_text, _expected_text) if applying]
     reasons = [f"{entry['method']} does not apply: {entry['refused']}" for entry in refused]
-    return "\n\n".join(filter(None, [answer["title"], *tables, *reasons]))
+    starts = [f"first values of {each['method']}: steps of {each['started']}" for each in applying if "started" in each]
+    return "\n\n".join(filter(None, [answer["title"], *tables, "\n".join(starts), *reasons]))
 
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
@@ -248,6 +294,9 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     for entry in entries:
         rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
     note = "observed: the powers of the float step's matrix stay below 1e9"
+    note += "\nR(oo): of a multistep method the size of the largest root of sigma" * any(
+        "started" in x for x in entries
+    )
     return f"The step sizes h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 

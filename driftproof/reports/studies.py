@@ -31,8 +31,12 @@ WORK_PRECISION_METHODS = (
 )
 
 
-# Where the problem is stiff: an explicit pair beside implicit methods of one stage, of diagonal and of full tableaux.
-_FOR_STIFF = ("dormand_prince54", "backward_euler", "tr_bdf2", "gauss2", "radau_iia2", "radau_iia3")
+# Where the problem is stiff: an explicit pair beside implicit methods of one stage, of diagonal and of full tableaux,
+# multistep methods, and one that takes a Jacobian.
+_FOR_STIFF = (
+    *("dormand_prince54", "backward_euler", "tr_bdf2", "gauss2", "radau_iia2", "radau_iia3"),
+    *("bdf2", "bdf4", "rodas4"),
+)
 
 
 def work_precision(

@@ -27,7 +27,8 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ORIGIN
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, vanishes_at
 from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
-from driftproof.symbolic.linear.facts import ExactFunction, Formula, fact_names
+from driftproof.symbolic.linear.fact_values import ExactFunction, Formula
+from driftproof.symbolic.linear.facts import fact_names
 from driftproof.symbolic.linear.families import (
     FamilyStability,
     Interval,

@@ -13,7 +13,7 @@ from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
-from driftproof.symbolic.linear.facts import ExactFunction
+from driftproof.symbolic.linear.fact_values import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, tableau_stages

@@ -64,7 +64,7 @@ def test_an_order_that_is_claimed_and_missed_is_status_1_where_it_is_shown(form,
         assert ("claimed order 3, has 0" in found[1]) == bool(status)
 
 
-# Tables that have facts and are verified, and make no runs; and a family.
+# Tables that have facts and are verified, and make no exact runs; and a family.
 FACTS_ONLY = {
     "rosenbrock": 'alpha = [[0, 0], [1, 0]]\ngamma = [["1/2", 0], [-1, "1/2"]]\nb = ["1/2", "1/2"]',
     "additive": "A_explicit = [[0, 0], [1, 0]]\nb_explicit = [1, 0]\nA_implicit = [[0, 0], [0, 1]]\nb_implicit=[0, 1]",
@@ -92,11 +92,13 @@ def test_where_a_table_makes_no_runs_a_line_says_what_works_and_nothing_is_writt
     )
     given = {path.name for path in folder.iterdir()}
     assert answer("facts", "mine.toml", "--only", "order")
-    for words in exactly(17, REFUSED):
+    in_floats = [words for words in REFUSED if words[0] in ("stability", "work-precision") or "kepler" in words]
+    for words in exactly(3, in_floats) if family in ("rosenbrock", "multistep") else ():
+        assert answer(*words)
+    (folder / "page.html").unlink(missing_ok=True)
+    for words in exactly(14, (words for words in REFUSED if words not in in_floats)):
         told = refusal(*words)
-        assert re.search("`driftproof facts`|with at and a value of theta|'mine.toml at 1/2'|say started=rk4", told), (
-            words
-        )
+        assert re.search("`driftproof facts`|with at and a value of theta|'mine.toml at 1/2'|say started=rk4", told)
     assert {path.name for path in folder.iterdir()} == given
 
 

@@ -17,6 +17,7 @@ from scipy.interpolate import (
     make_interp_spline,
 )
 
+from driftproof.enclosure import data
 from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.numbers import Enclosed
@@ -153,6 +154,18 @@ def test_derivative_of_a_spline_is_that_of_its_pieces():
         c, width = [Fraction(float(x)) for x in CUBIC.c[:, i]], Fraction(KNOTS[i + 1]) - Fraction(KNOTS[i])
         whole += ((c[0] * width + c[1]) * width + c[2]) * width
     assert off(found, whole) < 1e-30
+
+
+def test_of_many_data_only_those_near_the_number_are_read(monkeypatch):
+    """Bisection looks at 12 of 4,000 knots, and lines and splines at two of them and their values."""
+    read, many = [], np.arange(4000.0)
+    monkeypatch.setattr(data, "Fraction", lambda x: read.append(x) or Fraction(x))
+    x = Enclosed(Evaluation(), arb("1234.5"), exact=Fraction("1234.5"))
+    assert data.interpolated(x, many, many).value == arb("1234.5")
+    assert 12 <= len(read) <= 2 * 12 + 6
+    read.clear()
+    data.spline_of(CubicSpline(many, many))(x)
+    assert 12 <= len(read) <= 2 * 12 + 6
 
 
 class Positive(CubicSpline):

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.implicit import ImplicitStep, ImplicitStepper
+from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.tableaux import float_tableau
 
 U = Fraction(1, 2**53)
@@ -21,6 +23,12 @@ def implicit_run(step: ImplicitStepper, y: Any, h: float, steps: int) -> Implici
         y = found[-1].y
     worst = (max((x.residual for x in found), default=0.0), max((x.over_floor for x in found), default=0.0))
     return ImplicitStep(y, *worst, sum(x.iterations for x in found))
+
+
+def made_problem(rates: tuple[str, ...], start: tuple[float, ...]) -> Problem:
+    """y' = f(t, y) from this start to t = 1, where the reference does not know the solution."""
+    reference = Reference((Fraction(1),), (("0",) * len(rates),), EXACT, "none")
+    return Problem("made", "Made", VectorField(rates), tuple(map(Fraction, start)), reference, "a test")
 
 
 def oscillator(t, y):

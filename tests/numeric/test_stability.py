@@ -30,7 +30,7 @@ from driftproof.numeric.stability import (
 from driftproof.symbolic.algebra.certified import endpoints
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.stability_limits import Infinity
-from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
+from driftproof.symbolic.linear.systems import SystemFacts
 
 STIFF = PROBLEMS["stiff_oscillator"]
 
@@ -246,7 +246,7 @@ def turns(key: str, name: str) -> bool | None:
     if found is None or isinstance(found[0].step_limit.limit, Infinity) or found[0].step_limit.limit == ZERO_ROOT:
         return None
     facts, low = found
-    return bounded_at(facts, Q(low) * (1 - NINE_DIGITS)) and not bounded_at(facts, Q(low) * (1 + NINE_DIGITS))
+    return facts.bounded_at(Q(low) * (1 - NINE_DIGITS)) and not facts.bounded_at(Q(low) * (1 + NINE_DIGITS))
 
 
 def is_the_limit(key: str, name: str) -> bool:
@@ -273,7 +273,7 @@ def test_bisection_passes_over_a_gap_that_lies_between_powers_of_two_and_ends_at
 def test_another_method_does_not_have_the_limit() -> None:
     facts, _ = bisected("rk4", "dahlquist_1e3") or pytest.fail("refused")
     _, low = bisected("kutta3", "dahlquist_1e3") or pytest.fail("refused")
-    assert bounded_at(facts, Q(low) * (1 + NINE_DIGITS))
+    assert facts.bounded_at(Q(low) * (1 + NINE_DIGITS))
 
 
 @pytest.mark.long

@@ -8,10 +8,11 @@ import pytest
 from flint import arb, fmpq
 
 import driftproof
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports import stability as reports
-from driftproof.reports.stability import _limit_text, _seen_text, stability_text
+from driftproof.reports.stability import _limit_text, _seen_text, behaviour, stability_text
+from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import exactly
 
 
@@ -88,11 +89,11 @@ def test_a_factor_that_no_ball_rounds_ends_no_report(monkeypatch, answer, tmp_pa
     asked = ("stability", str(tmp_path / "spiral.toml"), "--methods", "heun2,rk4", "--h", "1,1/2")
     out = answer(*asked)
     assert "yes       0.375000  error 0.000169" in out
-    known = reports.stiffest_factor
+    known = SystemFacts.stiffest_factor
     tie = lambda text: lambda: arb(text) + (arb(2).sqrt() ** 2 - 2)  # no precision makes the ball a point
-    monkeypatch.setattr(reports, "stiffest_factor", lambda found, h: tie(fmpq(910001, 2000000)))
+    monkeypatch.setattr(SystemFacts, "stiffest_factor", lambda found, h: tie(fmpq(910001, 2000000)))
     assert "yes       0.4550005  error 0.000169" in answer(*asked)
-    monkeypatch.setattr(reports, "stiffest_factor", lambda found, h: tie(0) if h == 1 else known(found, h))
+    monkeypatch.setattr(SystemFacts, "stiffest_factor", lambda found, h: tie(0) if h == 1 else known(found, h))
     out = answer(*asked)
     assert "heun2   1       10  yes       not decided  error 0.000169" in out
     assert re.search(r"heun2 +0.5 +20 +yes +0\.60676\d +error", out)
@@ -148,9 +149,29 @@ def test_a_non_finite_run_is_never_silent(stability):
 
 
 def test_a_method_that_does_not_apply_says_why(answer):
-    out = answer("stability", "dahlquist_1", "--methods", "rk4,symplectic_euler,bdf2")
+    out = answer("stability", "dahlquist_1", "--methods", "rk4,symplectic_euler,stormer2,ars222")
     assert "symplectic_euler does not apply: " in out
-    assert "bdf2 does not apply: bdf2 is a linear multistep method" in out
+    assert "stormer2 does not apply: stormer2 is for y'' = F(y)" in out
+    assert "ars222 does not apply: ars222 is an IMEX method" in out
+
+
+def test_methods_of_several_states_and_with_a_jacobian_have_limits_factors_and_starts(answer, stability):
+    out = answer(
+        "stability", "dahlquist_1e3", "--methods", "adams_bashforth2,bdf2,adams_moulton2,rodas4", "--h", "1/500"
+    )
+    for line in (
+        r"adams_bashforth2  h <= 1/1000 = 0.001 +up to 0.001000000000 +oo",
+        r"bdf2 +every h > 0 +up to \S+, the largest tried +0",
+        r"adams_moulton2 +h <= 3/500 = 0.006 +up to 0.006000000000 +1.71652",
+        r"adams_bashforth2 +0.002 +500 +no +2.41421 +error \S+, larger than the solution: lost",
+        r"bdf2, rodas4: decays for every h > 0; components much faster than h vanish",
+        r"first values of bdf2: steps of radau_iia2",
+    ):
+        assert re.search(rf"^{line}", out, re.M), line
+    trapezoid = Multistep("trapezoid", "", 2, "", rho=(-1, 1), sigma=(Fraction(1, 2), Fraction(1, 2)))
+    assert behaviour(trapezoid, PROBLEMS["dahlquist_1e3"]) == "a_stable"
+    assert [entry.get("started") for entry in stability("kaps", "bdf3,rodas4")] == ["radau_iia3", None]
+    assert [entry["fewest_steps"] for entry in stability("kaps", "bdf3,rodas4")] == [3, 1]
 
 
 # HIRES takes as long as all the others together: eight implicit equations a step, in up to 512 steps. Its answer is of

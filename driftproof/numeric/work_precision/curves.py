@@ -8,10 +8,12 @@ from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
 
-from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.catalogue import Entry
 from driftproof.methods.given_methods import method_of
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.numeric.advance import error_summary, field_rate
+from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import Integrator, integrator
@@ -68,13 +70,17 @@ class Order:
 
 @dataclass(frozen=True)
 class Curve:
-    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply."""
+    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply.
+
+    `started` is the key of the method that gives the first values of a multistep method.
+    """
 
     key: str
     title: str
     claimed_order: int  # 0 if no order is claimed
     points: Sequence[Point] = ()
     refused: str = ""
+    started: str = ""
     consistent: bool = True  # False if the weights of a step do not add up to 1: its error stays, however short
 
     @property
@@ -95,8 +101,9 @@ class Curve:
     def verdict(self) -> str:
         """How the measured order differs from the claim; "" if they agree to the nearest integer, or one is missing.
 
-        Slopes that lie a whole order apart contradict no claim: they are "not settled". So are those of an error that
-        fell as claimed before and then stays, as where equal steps are too long for an initial layer.
+        Slopes that lie a whole order apart contradict no claim: they are "not settled", and so are fewer than SLOPES.
+        So are those of an error that fell as claimed before and then stays, as where equal steps are too long for an
+        initial layer.
         """
         found = self.order
         if found is None or not self.claimed_order:
@@ -106,6 +113,8 @@ class Curve:
             return "not settled"
         if round(found.median) == self.claimed_order:
             return ""
+        if found.slopes < SLOPES:
+            return "not settled"
         return f"{'below' if found.median < self.claimed_order else 'above'} the claimed order {self.claimed_order}"
 
 
@@ -158,11 +167,14 @@ def curve_of(
     claim = (method.key, method.title, method.claimed_order)
     weights = isinstance(method, RungeKutta) and abs(sum(map(float, method.b)) - 1) > INCONSISTENT
     try:
-        runs = integrator(of_one_state(method), problem, compiled=compiled)
+        runs = integrator(method, problem, compiled=compiled)
     except MethodError as error:
         return Curve(*claim, refused=str(error))
     steps_of_runs = steps or step_counts(problem, MOST if method.explicit else MOST_IMPLICIT)
-    return Curve(*claim, measure_curve(problem, runs, steps_of_runs, most), consistent=not weights)
+    points = measure_curve(problem, runs, steps_of_runs, most)
+    return Curve(
+        *claim, points, started=start_of(method).key if isinstance(method, Multistep) else "", consistent=not weights
+    )
 
 
 def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], most: float = inf) -> list[Point]:

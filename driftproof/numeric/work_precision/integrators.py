@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftproof.methods.schemes import Method
+from driftproof.methods.catalogue import Entry, FactsOnly
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
@@ -59,7 +59,7 @@ def kinds_of_trajectories() -> tuple[str, ...]:
     return (PYTHON, COMPILED) if has_numba() else (PYTHON,)
 
 
-def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> Integrator:
+def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` adds numba's runs, which give the errors of explicit methods.
 
     Errors of implicit methods are computed in Python, which takes less time than compiling them. Raises MethodError
@@ -99,8 +99,10 @@ def steps_at_known_times(problem: Problem, steps: int) -> list[tuple[Fraction, i
     return [(t, int(part)) for t, part in parts if part.denominator == 1]
 
 
-def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
+def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
+    if isinstance(method, FactsOnly):
+        return "multistep and Rosenbrock methods are only timed for one trajectory"
     start = np.array(float_start(problem))[:, None]
     run: EnsembleRun
     if fast:

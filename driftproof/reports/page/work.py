@@ -119,8 +119,9 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
         rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
     table = html_table([header, *rows], "Orders, and the least work measured", "orders")
-    refused = [element("p", escaped(f"{c.title}: {c.refused}"), class_="note") for c in found if c.refused]
-    return element("div", table, *refused) if refused else table
+    notes = [f"{c.title}: {c.refused}" for c in found if c.refused]
+    notes += [f"First values of {c.title}: steps of {c.started}" for c in found if c.started]
+    return element("div", table, *(element("p", escaped(note), class_="note") for note in notes)) if notes else table
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:

@@ -92,7 +92,8 @@ def _curve_json(curve: Curve) -> Json:
     for entry in points:
         entry["errors"] = {name: size._asdict() for name, size in entry["errors"].items()}
     order = {"measured_order": vars(curve.order) if curve.order else None}
-    return {**{name: getattr(curve, name) for name in _CURVE_FIELDS}, **order, "points": points}
+    started = {"started": curve.started} if curve.started else {}
+    return {**{name: getattr(curve, name) for name in _CURVE_FIELDS}, **started, **order, "points": points}
 
 
 _CURVE_FIELDS = ("key", "title", "claimed_order", "verdict", "refused")
@@ -312,6 +313,7 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
             f"Times are the least of up to {ROUNDS} turns in random order, garbage collection off; half of the spreads "
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
+    lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")

@@ -197,7 +197,7 @@ def _controlled(method: Method, study: Study) -> _Contestant:
 
 def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
     try:
-        runs = integrators.integrator(of_one_state(method), problem, compiled=True)
+        runs = integrators.integrator(method, problem, compiled=True)
     except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent

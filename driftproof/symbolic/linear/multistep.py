@@ -42,7 +42,8 @@ from driftproof.symbolic.algebra.real_roots import (
     vanishes_at,
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
-from driftproof.symbolic.linear.facts import AStability, ExactFunction, FactsOfFamily, Sector, fact_names
+from driftproof.symbolic.linear.fact_values import AStability, ExactFunction, Sector
+from driftproof.symbolic.linear.facts import FactsOfFamily, fact_names
 from driftproof.symbolic.linear.printed_digits import RoundedOrder, order_within_digits, roundings
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,

@@ -11,7 +11,7 @@ from flint import acb, arb, fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import CertifiableReal, enclose, sign_of_ball
+from driftproof.symbolic.algebra.certified import CertifiableReal, EnclosedReal, enclose, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -47,6 +47,7 @@ from driftproof.symbolic.linear.ray_bounds import (
     ray_conditions,
 )
 from driftproof.symbolic.linear.stability_limits import (
+    INFINITY,
     Infinity,
     Limit,
     boundary_of,
@@ -66,7 +67,54 @@ class EigenvalueLimit(NamedTuple):
     bound: Bound | UndecidedLimitError
 
 
-class SystemFacts:
+class LinearSystem:
+    """What is exact about a method on z' = Az, A square with rational entries, given by its `bounds`."""
+
+    rows: Sequence[Sequence[Fraction]]
+
+    @property
+    def bounds(self) -> list[EigenvalueLimit]:
+        """The eigenvalues of A, each with its bound."""
+        raise NotImplementedError
+
+    def part_is_bounded(self, eigenvalue: Eigenvalue, h: Fraction) -> bool:
+        """True if the part of numerical solutions that belongs to one eigenvalue or pair is bounded for this h > 0."""
+        raise NotImplementedError
+
+    def factor_at(self, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
+        """The largest factor by which a step multiplies a solution that belongs to one eigenvalue."""
+        raise NotImplementedError
+
+    def at_infinity(self) -> Exact | Infinity | EnclosedReal | None:
+        """The limit of the factor for infinite hλ, with the sign of R(oo); None if it is no function of hλ."""
+        raise NotImplementedError
+
+    @cached_property
+    def step_limit(self) -> Bound:
+        """The largest H with bounded solutions for every h in (0, H). May raise UndecidedLimitError."""
+        decided = [bound for _, bound in self.bounds if isinstance(bound, Bound)]
+        undecided = next((bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)), None)
+        if NEVER in decided:
+            return NEVER
+        if undecided:
+            raise undecided
+        limit = smallest([bound.limit for bound in decided])
+        at_limit = [b.attained for b in decided if b.limit == limit]
+        attained = False if False in at_limit else None if None in at_limit else True
+        return ALWAYS if isinstance(limit, Infinity) else Bound(limit, attained)
+
+    def bounded_at(self, h: Fraction) -> bool:
+        """True if all numerical solutions are bounded, h > 0. May raise UndecidedLimitError."""
+        return all(self.part_is_bounded(eigenvalue, h) for eigenvalue, _ in self.bounds)
+
+    def stiffest_factor(self, h: Fraction) -> CertifiableReal:
+        """The largest `factor_at` of those eigenvalues of A of which no other one is known to be larger in modulus."""
+        sizes = [(e, abs(ball_of(e))) for e, _ in self.bounds]
+        stiffest = [e for e, size in sizes if not any(other > size for _, other in sizes)]
+        return max((self.factor_at(e, h) for e in stiffest), key=lambda x: float(enclose(x)))
+
+
+class SystemFacts(LinearSystem):
     """The exact facts about `method` on z' = Az, A square with rational entries; each is computed at its first use.
 
     Raises ValueError for a splitting or a Nyström method on a system that is not of the form q' = v, v' = Kq.
@@ -96,19 +144,6 @@ class SystemFacts:
         """The eigenvalues of A, each with its bound."""
         return [EigenvalueLimit(eigenvalue, self._bound(eigenvalue)) for eigenvalue in eigenvalues(self.rows)]
 
-    @cached_property
-    def step_limit(self) -> Bound:
-        """The largest H with the powers of M(h) bounded for every h in (0, H). May raise UndecidedLimitError."""
-        decided = [bound for _, bound in self.bounds if isinstance(bound, Bound)]
-        undecided = next((bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)), None)
-        if NEVER in decided:
-            return NEVER
-        if undecided:
-            raise undecided
-        limit = smallest([bound.limit for bound in decided])
-        attained = all(b.attained for b in decided if b.limit == limit)
-        return ALWAYS if isinstance(limit, Infinity) else Bound(limit, attained)
-
     def _bound(self, eigenvalue: Eigenvalue) -> Bound | UndecidedLimitError:
         r = stability_function_of(self.method)
         try:
@@ -117,6 +152,38 @@ class SystemFacts:
             return runge_kutta_bound(r, eigenvalue.place, eigenvalue.block)
         except UndecidedLimitError as reason:
             return reason
+
+    def part_is_bounded(self, eigenvalue: Eigenvalue, h: Fraction) -> bool:
+        """True if powers of the part of M(h) for the eigenvalue or pair are bounded. May raise UndecidedLimitError."""
+        r = stability_function_of(self.method)
+        if r is None:
+            return _partitioned(self.method, eigenvalue, h)
+        place, block = eigenvalue.place, eigenvalue.block
+        if place == ZERO_ROOT:
+            return at_rest(r, block) == ALWAYS
+        if isinstance(place, Complex) and place.degree > 2:
+            _require_simple(block)
+            return margin_sign(r, place, as_fmpq(h)) == 1
+        total, product, size = _ray(place)
+        margin, obstacles = ray_conditions(r, total, product, block)
+        x = _times(size, h)
+        inside = sign_at(margin, x)
+        return inside == 1 or (not inside and not any(sign_at(p, x) for p in obstacles))
+
+    def factor_at(self, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
+        """The largest modulus of the eigenvalues of M(h) that belong to this one of A: |R(hλ)|, or from a 2x2 matrix.
+
+        It is a Fraction if found to be rational, as no ball could tell that the modulus is exactly 1 or 0.
+        """
+        r = stability_function_of(self.method)
+        if r is None:
+            return _radius(_block(self.method, eigenvalue.place), eigenvalue, h)
+        return _size_of_function(r, eigenvalue, h)
+
+    def at_infinity(self) -> Exact | Infinity | None:
+        """R(oo)."""
+        r = stability_function_of(self.method)
+        return None if r is None else INFINITY if (found := r.at_infinity()) is None else found
 
 
 def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Bound:
@@ -193,7 +260,8 @@ def _bound_of_step(bound: Bound, size: RealRoot) -> Bound:
     return Bound(limit, bound.attained)
 
 
-def _limit(facts: SystemFacts) -> tuple[Limit | UndecidedLimitError, bool | None]:
+def limit_of(facts: LinearSystem) -> tuple[Limit | UndecidedLimitError, bool | None]:
+    """The step limit and whether it is attained; the reason in place of one that is not decided."""
     try:
         return facts.step_limit
     except UndecidedLimitError as reason:
@@ -207,8 +275,8 @@ SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Any]] = {
     "one_step_matrix": lambda facts: facts.matrix,
     "determinant": lambda facts: facts.determinant,
     "eigenvalues": lambda facts: facts.bounds,
-    "step_limit": lambda facts: _limit(facts)[0],
-    "step_limit_attained": lambda facts: _limit(facts)[1],
+    "step_limit": lambda facts: limit_of(facts)[0],
+    "step_limit_attained": lambda facts: limit_of(facts)[1],
 }
 
 
@@ -224,58 +292,17 @@ def facts_on_system(
     return {name: SYSTEM_FACTS[name](facts) for name in names or SYSTEM_FACTS}
 
 
-def bounded_at(found: SystemFacts, h: Fraction) -> bool:
-    """True if the powers of M(h) are bounded, h > 0; decided by eigenvalues of A. May raise UndecidedLimitError."""
-    return all(part_is_bounded(found, eigenvalue, h) for eigenvalue, _ in found.bounds)
-
-
-def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
-    """True if the powers of the part of M(h) for one eigenvalue or pair are bounded. May raise UndecidedLimitError."""
-    r = stability_function_of(found.method)
-    if r is None:
-        return _partitioned(found, eigenvalue, h)
-    place, block = eigenvalue.place, eigenvalue.block
-    if place == ZERO_ROOT:
-        return at_rest(r, block) == ALWAYS
-    if isinstance(place, Complex) and place.degree > 2:
-        _require_simple(block)
-        return margin_sign(r, place, as_fmpq(h)) == 1
-    total, product, size = _ray(place)
-    margin, obstacles = ray_conditions(r, total, product, block)
-    x = _times(size, h)
-    inside = sign_at(margin, x)
-    return inside == 1 or (not inside and not any(sign_at(p, x) for p in obstacles))
-
-
-def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
+def _partitioned(method: Method, eigenvalue: Eigenvalue, h: Fraction) -> bool:
     """Decide boundedness on q' = v, v' = Kq by exact signs of the 2x2 matrix at h|λ|, see `_block`."""
     place = eigenvalue.place
     if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
         raise UndecidedLimitError("for splittings and the like, only simple real or imaginary eigenvalues are decided")
-    return is_bounded(boundary_of(_block(found.method, place)), partial(sign_at, root=_times(_size(place), h)))
+    return is_bounded(boundary_of(_block(method, place)), partial(sign_at, root=_times(_size(place), h)))
 
 
 def _times(size: RealRoot, h: Fraction) -> RealRoot:
     """The product of a positive number and h > 0."""
     return root_ratio(size, rational_root(1 / h))
-
-
-def stiffest_factor(found: SystemFacts, h: Fraction) -> CertifiableReal:
-    """The largest `factor_at` of those eigenvalues of A of which no other one is known to be larger in modulus."""
-    sizes = [(e, abs(_ball(e))) for e, _ in found.bounds]
-    stiffest = [e for e, size in sizes if not any(other > size for _, other in sizes)]
-    return max((factor_at(found, e, h) for e in stiffest), key=lambda x: float(enclose(x)))
-
-
-def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
-    """The largest modulus of the eigenvalues of M(h) that belong to this one of A: |R(hλ)|, or from a 2x2 matrix.
-
-    It is a Fraction if found to be rational, as no ball could tell that the modulus is exactly 1 or 0.
-    """
-    r = stability_function_of(found.method)
-    if r is None:
-        return _radius(_block(found.method, eigenvalue.place), eigenvalue, h)
-    return _size_of_function(r, eigenvalue, h)
 
 
 def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
@@ -290,7 +317,7 @@ def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) 
         return abs(rational)
 
     def ball() -> arb:
-        z = _ball(eigenvalue) * as_fmpq(h)
+        z = ball_of(eigenvalue) * as_fmpq(h)
         return abs(at_complex_ball(r.num, z) / at_complex_ball(r.den, z))
 
     return ball
@@ -327,7 +354,9 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return spectral_radius(_similar(matrix, h * h * Fraction(place.minimal[0], place.minimal[2])))
 
     def ball() -> arb:
-        y = (_ball(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(_ball(eigenvalue)))) * as_fmpq(h)
+        y = (
+            ball_of(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(ball_of(eigenvalue)))
+        ) * as_fmpq(h)
         (a, b), (c, d) = ([at_complex_ball(e.num, y) / at_complex_ball(e.den, y) for e in row] for row in matrix)
         half, square = (a + d) / 2, (a - d) * (a - d) + 4 * b * c
         root = (square.sqrt() if square.real > 0 else (-square).sqrt() * acb(0, 1)) / 2  # off the branch cut
@@ -344,6 +373,7 @@ def _similar(matrix: StepMatrix, square: Fraction) -> list[Exact]:
     return [exact(value) for value in (found[0], found[1] / x, *found[2:])]
 
 
-def _ball(eigenvalue: Eigenvalue) -> acb:
+def ball_of(eigenvalue: Eigenvalue) -> acb:
+    """A ball around the eigenvalue, or around that of its pair above the real axis."""
     place = eigenvalue.place
     return acb(0, place.size.ball()) if isinstance(place, Imaginary) else acb(place.ball())

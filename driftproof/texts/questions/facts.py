@@ -27,7 +27,8 @@ from driftproof.symbolic.facts import (
 )
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
-from driftproof.symbolic.linear.facts import ExactFunction, Formula, Sector, TruncatedSeries, facts_by_name
+from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, Sector, TruncatedSeries
+from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import Infinity

@@ -18,7 +18,7 @@ from driftproof.symbolic.facts import Reduction
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
-from driftproof.symbolic.linear.facts import ExactFunction, Formula, RegionBoundary, TruncatedSeries
+from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, RegionBoundary, TruncatedSeries
 from driftproof.symbolic.linear.families import DIGITS_OF_ENDS, Interval, ParameterSet
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity

@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.radicals import PRINTED_DIGITS, integer_polynom
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.family_facts import FailingTree, LimitPiece, OrderSet
-from driftproof.symbolic.linear import facts as linear
+from driftproof.symbolic.linear import fact_values as linear
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.families import Interval, ParameterSet

@@ -70,7 +70,8 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
     ("orders", "verdict", "slopes"),
     [
         ((2, 0.3, 7.6), "not settled", 3), ((2, 1), "not settled", 2), ((1.5, 2.25), "", 2), ((9, 9, 2, 2, 2), "", 3),
-        ((3, 3), "above the claimed order 2", 2), ((2, 2, None), "", 2), ((2, None, 7), "", 1), ((None,), "", 0),
+        ((3, 3, 3), "above the claimed order 2", 3), ((3, 3), "not settled", 2), ((2, 2, None), "", 2),
+        ((2, None, 7), "", 1), ((None,), "", 0),
         ((2, 2, 0.2, 0.2, 0.1), "not settled", 3), ((2, 2, 1, 1, 1), "below the claimed order 2", 3),
         ((0.2, 0.2, 0.2, 0.2, 0.1), "below the claimed order 2", 3),
     ],

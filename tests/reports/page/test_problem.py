@@ -80,12 +80,13 @@ def test_linear_problem_has_its_proved_limits():
 
 
 def test_a_method_that_does_not_apply_has_the_reason_and_no_points():
-    shown = report(PROBLEMS["dahlquist_1"], methods=["velocity_verlet", "ros2", "rk4"]).html
+    shown = report(PROBLEMS["dahlquist_1"], methods=["bdf2", "velocity_verlet", "ars222", "rk4"]).html
     why = "a second-order system has as many velocities as positions, not 1 rates"
     rows = [row for row in cells(shown) if row[0] == "Velocity Verlet"]
     assert [row[1] for row in exactly(2, rows)] == ["does not apply", f"does not apply: {why}"]
     assert f'<p class="note">Velocity Verlet: {why}</p>' in shown
-    assert len([row for row in cells(shown) if row[1].startswith("does not apply: ros2 is a Rosenbrock")]) == 1
+    assert len([row for row in cells(shown) if row[1].startswith("does not apply: ars222 is an IMEX")]) == 1
+    assert "First values of BDF, 2 steps: steps of radau_iia2" in shown
     assert ": none. Classical RK4: from " in shown
 
 

@@ -19,7 +19,7 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import rational_root
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError, pair_polynomial, ray_bound
-from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
+from driftproof.symbolic.linear.systems import SystemFacts
 from tests.symbolic.linear.linear_examples import STUCK, Z
 
 
@@ -43,7 +43,7 @@ def test_what_is_not_decided_is_refused_with_a_reason() -> None:
     with pytest.raises(UndecidedLimitError, match="= 1 for every h"):
         _ = found.step_limit
     with pytest.raises(UndecidedLimitError, match=r"\d+ bits do not tell whether .* at h = 1/2"):
-        bounded_at(found, Q(1, 2))
+        found.bounded_at(Q(1, 2))
 
 
 def test_a_contact_is_passed_by_blocks_whose_derivatives_vanish_there() -> None:

@@ -20,7 +20,7 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
-from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, stiffest_factor
+from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import some
 from tests.symbolic.linear.linear_examples import (
     CHAIN,
@@ -244,7 +244,7 @@ def test_verdict_is_that_of_the_spectral_radius_where_that_is_not_one(key: str, 
         low, high = radius_ends(found, h)
         if high < 1 or low > 1:
             decided += 1
-            assert bounded_at(found, h) is (high < 1)
+            assert found.bounded_at(h) is (high < 1)
     assert decided
 
 
@@ -271,11 +271,11 @@ def test_verdict_turns_at_the_limit(key: str, text: str, turn: Q | None, verdict
     if turn is None:  # an irrational limit: doubles on either side
         with ctx.workprec(200):
             turn = Q(float(found.step_limit.limit.ball().mid()))  # type: ignore[union-attr]
-        near = [bounded_at(found, turn * (1 + Q(k, 2**50))) for k in (-1, 1)]
+        near = [found.bounded_at(turn * (1 + Q(k, 2**50))) for k in (-1, 1)]
         assert near == [True, False]
         return
     near_by = Q(1, 10**30)
-    assert tuple(bounded_at(found, turn * x) for x in (1 - near_by, Q(1), 1 + near_by)) == verdicts
+    assert tuple(found.bounded_at(turn * x) for x in (1 - near_by, Q(1), 1 + near_by)) == verdicts
 
 
 @pytest.mark.slow
@@ -284,21 +284,21 @@ def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> No
         found = SystemFacts(method, parse_system("0 1; -1 0"))
         data = found.step_limit.limit
         if not hasattr(data, "ball"):
-            assert bounded_at(found, Q(10**6))
+            assert found.bounded_at(Q(10**6))
             continue
         with ctx.workprec(200):
             low, _ = endpoints(data.ball())
         if low > 0:
-            assert bounded_at(found, low * Q(99, 100))
+            assert found.bounded_at(low * Q(99, 100))
 
 
 def test_factor_is_the_size_of_the_stability_function() -> None:
     euler = facts("forward_euler", "-1")
-    assert stiffest_factor(euler, Q(3, 2)) == Q(1, 2)
+    assert euler.stiffest_factor(Q(3, 2)) == Q(1, 2)
     rk4 = facts("rk4", "-1000")
     z = Q(-1000, 300)
-    assert stiffest_factor(rk4, Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
-    assert stiffest_factor(rk4, Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert rk4.stiffest_factor(Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert rk4.stiffest_factor(Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
 
 
 @pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4", "implicit_nystrom"])
@@ -312,17 +312,17 @@ def test_factor_is_the_spectral_radius_of_the_matrix(key: str, h: Q, text: str) 
     found = SystemFacts(METHODS.get(key, MIDPOINT_NYSTROM), parse_system(text))
     low, high = radius_ends(found, h)
     with ctx.workprec(300):
-        factors = [enclose(factor_at(found, limit.eigenvalue, h)) for limit in found.bounds]
+        factors = [enclose(found.factor_at(limit.eigenvalue, h)) for limit in found.bounds]
         assert all(factor.rad() < arb(2) ** -200 for factor in factors)
         assert not any(factor > fmpq(*high.as_integer_ratio()) for factor in factors)
-        assert abs(enclose(stiffest_factor(found, h)) - fmpq(*low.as_integer_ratio())) < arb(2) ** -190
+        assert abs(enclose(found.stiffest_factor(h)) - fmpq(*low.as_integer_ratio())) < arb(2) ** -190
 
 
 def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
     """Of -1 and -1000 that of -1000; of ±i and -1/8 that of ±i; of 1 and -1 the larger one, 1/|1 - 3|."""
-    assert stiffest_factor(facts("forward_euler", "998 1998; -999 -1999"), Q(1, 2000)) == Q(1, 2)
-    assert stiffest_factor(facts("backward_euler", "1 0; 0 -1"), Q(3)) == Q(1, 2)
-    turning = enclose(stiffest_factor(facts("backward_euler", "0 1 0; -1 0 0; 0 0 -1/8"), Q(1)))
+    assert facts("forward_euler", "998 1998; -999 -1999").stiffest_factor(Q(1, 2000)) == Q(1, 2)
+    assert facts("backward_euler", "1 0; 0 -1").stiffest_factor(Q(3)) == Q(1, 2)
+    turning = enclose(facts("backward_euler", "0 1 0; -1 0 0; 0 0 -1/8").stiffest_factor(Q(1)))
     assert float(turning) == pytest.approx(sqrt(1 / 2))
 
 
@@ -337,18 +337,18 @@ def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
 def test_factors_that_are_rational_are_fractions_at_irrational_and_complex_eigenvalues(key, text, h, factor) -> None:
     """(1 - w²)/2 at -1 ± wi, 3/4 at both of -2 ± √2, 0, 1/2 at three roots of a cubic; 2 beside 1/2 at ±√2 i."""
     found = facts(key, text)
-    assert [factor_at(found, limit.eigenvalue, h) for limit in found.bounds] == [factor] * len(found.bounds)
-    near = factor_at(found, found.bounds[0].eigenvalue, h + Q(1, 7))
+    assert [found.factor_at(limit.eigenvalue, h) for limit in found.bounds] == [factor] * len(found.bounds)
+    near = found.factor_at(found.bounds[0].eigenvalue, h + Q(1, 7))
     assert callable(near)
     assert abs(enclose(near) - fmpq(*factor.as_integer_ratio())) > 2**-9
 
 
 def test_what_is_not_decided_is_refused() -> None:
     with pytest.raises(UndecidedLimitError, match="only simple"):
-        bounded_at(facts("symplectic_euler", STUCK), Q(1, 2))
+        facts("symplectic_euler", STUCK).bounded_at(Q(1, 2))
     blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
     with pytest.raises(UndecidedLimitError, match="with a Jordan block"):
-        bounded_at(facts("rk4", blocks), Q(1, 2))
+        facts("rk4", blocks).bounded_at(Q(1, 2))
     reversed_kick = Splitting("mine", "It turns where the solution grows", 0, "", (("kick", -1), ("drift", 1)))
     assert SystemFacts(reversed_kick, parse_system("0 1; 1 0")).step_limit == (rational_root(Q(2)), False)
     with pytest.raises(UndecidedLimitError, match="a Jordan block"):

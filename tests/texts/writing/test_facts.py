@@ -12,7 +12,7 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
 from driftproof.symbolic.linear.a_stability import sector_tangent
-from driftproof.symbolic.linear.facts import ExactFunction, Formula, TruncatedSeries
+from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, TruncatedSeries
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import INFINITY
