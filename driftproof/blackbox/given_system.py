@@ -225,6 +225,8 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
             if unlike := _unlike(reading, slopes, unit):
                 far.append(unlike)
+                if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
+                    break  # of an array that it takes; the size of vectors is a guess
             elif far:
                 what = f"of {len(states[0])} numbers its system is the one given, but not of more"
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")

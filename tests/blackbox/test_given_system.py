@@ -190,6 +190,7 @@ def kepler(t, y, mu=1.0):
     (partial(falling_to, wrong=1), "midpoint2", kepler, "its system is not the one given with mu = 1.25: from"),
     (falling_to, "midpoint2", lambda y, mu: [*y[2:], *(-mu * y[:2] / np.linalg.norm(y[:2]) ** 3)],
      "undecided whether it is midpoint2: of 4 numbers its system is the one given, but not of more, where from"),
+    (lambda y, h: y - h * np.roll(y, 1), "forward_euler", lambda y: -y, "is not forward_euler: its system is not"),
     (sky, "symplectic_euler_position_first", attracted, "on the system given with mass = 2, 4, 8, to"),
     (sky, "symplectic_euler_position_first", lambda y: attracted(0.0, y, np.ones(3)),
      "undecided whether it is symplectic_euler_position_first: its system is not the one given with the masses of its"),
