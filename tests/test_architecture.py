@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5547,
-    "symbolic": 10926,
-    "numeric": 4354,
+    "methods": 5552,
+    "symbolic": 10923,
+    "numeric": 4356,
     "blackbox": 22530,
     "enclosure": 4970,
-    "texts": 10288,
+    "texts": 10929,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5998
+BUDGET_OF_REPORTS_AND_FRONT = 6059
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

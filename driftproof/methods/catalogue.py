@@ -106,9 +106,9 @@ def of_one_state(method: Entry, name: str = "") -> Method:
     if isinstance(method, FactsOnly):
         starts = isinstance(method, Multistep) and method.derivative == 1
         asked = f"`driftproof value 'run {name or method.key} started=rk4 h=0.1 t=1 : state_error'`"
-        floats = "" if isinstance(method, Additive) else ", `driftproof stability` and `driftproof work-precision`"
+        runs = "" if isinstance(method, Additive) else "`driftproof stability`, `work-precision`, scenes of a problem, "
         raise MethodError(
-            f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify`{floats} accept it, but exact "
+            f"{method.key} is {method.kind}: {runs}`driftproof facts` and `driftproof verify` accept it, but exact "
             "runs and derivations do not; they need a method whose step takes one state and one f"
             + f"; what gives its first values is named by {asked}"
             * starts

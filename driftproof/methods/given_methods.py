@@ -34,11 +34,16 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
 
     Raises ValueError for anything else, including a family and a method of which there are only facts.
     """
+    return of_one_state(entry_of(given), str(given) if isinstance(given, str | Path) else "")
+
+
+def entry_of(given: str | Path | Method | Family | FactsOnly) -> Entry:
+    """Like `method_of`, but also for methods whose step takes more than one state and f. Raises ValueError."""
     subject = subject_of(given)
     if isinstance(subject, Family):
         what = f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed"
         raise ValueError(f"{what}, such as '{given if isinstance(given, str | Path) else subject.key} at 1/2'")
-    return of_one_state(subject, str(given) if isinstance(given, str | Path) else "")
+    return subject
 
 
 def methods_of(given: GivenMethods) -> list[Entry]:
@@ -46,7 +51,7 @@ def methods_of(given: GivenMethods) -> list[Entry]:
 
     Raises ValueError.
     """
-    found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
+    found = [*map(entry_of, _each(given))]
     if found and all(isinstance(each, Additive) for each in found):
         method_of(_each(given)[0])  # raises
     return found

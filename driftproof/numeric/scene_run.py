@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import (
     Counter,
@@ -43,7 +42,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
     from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
     from driftproof.numeric.stability import STEPS_BETWEEN_CHECKS, observe
 
-    method = method_of(key)
+    method = scene.method(key)
     run, start = advance(method, problem), float_start(problem)
     path, ticks = [start], enumerate(counter(scene.steps), start=1)
     keep = TRAJECTORY in scene.readouts

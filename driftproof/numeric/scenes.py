@@ -12,7 +12,8 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from pathlib import Path
 
-from driftproof.methods.given_methods import method_of
+from driftproof.methods.catalogue import Entry
+from driftproof.methods.given_methods import entry_of, method_of
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
@@ -80,7 +81,7 @@ class Scene:
             self._check_problem(self.problem)
         try:
             for key in (self.selected, *self.methods):
-                method_of(key)
+                self.method(key)
             step_count(self.t, self.h)
         except ValueError as error:
             raise SceneError(f"scene {self.name!r}: {error}") from None
@@ -101,6 +102,10 @@ class Scene:
             more = "; another `end` in its file gives others" if problem.key.endswith(".toml") else ""
             known = ", ".join(map(str, times)) + more
             raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is known only at t = {known}")
+
+    def method(self, key: str | Path) -> Entry:
+        """The method with this key or file; on the oscillator its step takes one state and f. Raises ValueError."""
+        return method_of(key) if self.problem is None else entry_of(key)
 
     @property
     def steps(self) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import cache
 from math import hypot, inf, isfinite, nextafter
@@ -19,7 +18,6 @@ from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.problems.problem import Problem
 
 _Matrix: TypeAlias = NDArray[np.float64]
-_Rows: TypeAlias = list[list[Decimal]]
 
 # The most steps between two looks at the state (chosen: to find the first that is not finite repeats about as many).
 STEPS_BETWEEN_CHECKS = 1 << 12
@@ -32,9 +30,11 @@ BEYOND, AGAIN = range(4, 41, 4), 48
 # Powers 2**n, n up to SQUARINGS, count as bounded if they stay below GROWTH. A spectral radius ρ > 1 is detected from
 # ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a float step were rounded,
 # which moves ρ by some u. A Jordan block on the unit circle grows to 2**SQUARINGS.
-# Rounding: entries of size up to GROWTH lose GROWTH² 10^-DECIMALS = 1e-27 relatively in one squaring, and 2**48 times
-# as much by the end, 3e-13. Powers near a limit where two eigenvalues meet stay below GROWTH to a distance of 1e-18.
-SQUARINGS, GROWTH, DECIMALS = 48, 1e9, 45
+# Rounding: entries of size up to GROWTH lose GROWTH² 2**-BITS = 7e-28 relatively in one squaring, and 2**48 times as
+# much by the end, 2e-13. Powers near a limit where two eigenvalues meet stay below GROWTH to a distance of 1e-18. What
+# has fallen below 1/GROWTH stays there, as n/GROWTH < 1.
+SQUARINGS, GROWTH, BITS = 48, 1e9, 150
+_VANISHED = (1 << BITS) // 10**9
 # Floats decide first, over 2**FEWER powers: those that fall below 1/GROWTH stay there, those above GROWTH have grown.
 FEWER = 36
 _U = 2.0**-53
@@ -121,7 +121,7 @@ def stays_bounded(advance: Advance, components: int, h: float) -> bool:
 def powers_stay_bounded(matrix: _Matrix) -> bool:
     """True if the powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False for entries not finite."""
     verdict = _by_floats(matrix)
-    return _by_decimals(matrix) if verdict is None else verdict
+    return _by_integers(matrix) if verdict is None else verdict
 
 
 def _by_floats(matrix: _Matrix) -> bool | None:
@@ -143,19 +143,15 @@ def _by_floats(matrix: _Matrix) -> bool | None:
     return None
 
 
-def _by_decimals(matrix: _Matrix) -> bool:
-    with localcontext(prec=DECIMALS):
-        power: _Rows = [[Decimal(float(x)) for x in row] for row in matrix]
-        for _ in range(SQUARINGS + 1):
-            if max(abs(x) for row in power for x in row) >= GROWTH:
-                return False
-            power = _square(power)
+def _by_integers(matrix: _Matrix) -> bool:
+    """The same with entries that are whole multiples of 2**-BITS, once they have been rounded down to these."""
+    power = np.array([[int(Fraction(float(x)) * 2**BITS) for x in row] for row in matrix], dtype=object)
+    for _ in range(SQUARINGS + 1):
+        largest = max(map(abs, power.ravel()))
+        if largest >= int(GROWTH) << BITS or largest <= _VANISHED:
+            return bool(largest <= _VANISHED)
+        power = (power @ power) >> BITS
     return True
-
-
-def _square(a: _Rows) -> _Rows:
-    columns: Any = list(zip(*a, strict=True))
-    return [[sum((x * y for x, y in zip(row, column, strict=True)), Decimal(0)) for column in columns] for row in a]
 
 
 def largest_bounded(
@@ -176,13 +172,16 @@ def largest_bounded(
     return low, inf
 
 
-def bounded_again(is_bounded: Callable[[float], bool], grows: float) -> tuple[float, ...]:
-    """The first h above `grows` with bounded powers and the last before they grow again, seen at AGAIN h up to 4 grows.
+def bounded_again(is_bounded: Callable[[float], bool], grows: float, largest: float) -> tuple[float, ...]:
+    """The first h above `grows` with bounded powers and the last before they grow again, up to `largest`.
 
-    Both are found by bisection; () if no look finds bounded powers, one number if none finds growth after them.
+    Seen at AGAIN h up to 4 grows and then at powers of two times that, and found by bisection; () if no look finds
+    bounded powers, one number if none finds growth after them.
     """
-    ends, low = list[float](), grows
-    for high in (grows * (1 + 3 * k / AGAIN) for k in range(1, AGAIN + 1)):
+    ends, low, looks = list[float](), grows, [grows * (1 + 3 * k / AGAIN) for k in range(1, AGAIN + 1)]
+    while looks[-1] < largest / 2:
+        looks.append(2 * looks[-1])
+    for high in looks:
         if len(ends) < 2 and is_bounded(high) is not bool(ends):
             ends.append(_change(is_bounded, low, high)[1 - len(ends)])
         low = high

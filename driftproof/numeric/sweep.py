@@ -27,7 +27,6 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
-from driftproof.methods.given_methods import method_of
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TRAJECTORY, Scene
@@ -96,7 +95,7 @@ def points_of(scene: Scene, grid: Grid) -> list[Values]:
         if isinstance(values, str) or not values:
             raise ValueError(f"the axis {name!r} is {values!r}; write a list with at least one value")
         for value in values:
-            _check_value(name, value)
+            _check_value(scene, name, value)
     return [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
 
 
@@ -215,10 +214,10 @@ def _run_point(scene: Scene, values: Values) -> Found:
         return str(stopped)
 
 
-def _check_value(name: str, value: object) -> None:
-    """Raise ValueError for a value of the wrong type, or an unknown method, with the suggestion of `method_of`."""
+def _check_value(scene: Scene, name: str, value: object) -> None:
+    """Raise ValueError for a value of the wrong type, or an unknown method, with the suggestion of `Scene.method`."""
     if name == "selected":
-        method_of(value if isinstance(value, str) else str(value))
+        scene.method(value if isinstance(value, str) else str(value))
     elif name == "start":
         if not (isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, Fraction) for x in value)):
             raise ValueError(f"the axis 'start' has {value!r}; write pairs of Fractions")
@@ -239,7 +238,7 @@ class Checkpoint:
                 "sweep": scene.name,
                 "driftproof": __version__,
                 **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
-                "definition": digest((scene.problem, [*map(method_of, grid.get("selected", [scene.selected]))])),
+                "definition": digest((scene.problem, [*map(scene.method, grid.get("selected", [scene.selected]))])),
                 "grid": [[name, strings(values)] for name, values in grid.items()],
             }
         )

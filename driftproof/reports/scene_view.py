@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from driftproof.methods.given_methods import method_of
+from driftproof.methods.given_methods import entry_of, method_of
+from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Counter, Readouts, RunEnded
@@ -59,13 +60,14 @@ def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
     """The shown scene with every number a string: repr for floats, so that they read back to the same bits."""
     header: dict[str, Any] = {name: getattr(scene, name) for name in ("selected", "h", "t")}
     header |= {"start": scene.start} if scene.problem is None else {"problem": scene.problem.key}
+    header |= {"started": starts} if (starts := starts_of(scene)) else {}
     return dict(strings({"scene": scene.name, **header, **shown}))
 
 
 def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     """The readouts with the lesson's labels and digits, then the table of methods."""
     of = f" on {scene.problem.title}" if scene.problem else ""
-    title = f"{method_of(scene.selected).title}{of}, h = {scene.h}, t = {scene.t}"
+    title = f"{scene.method(scene.selected).title}{of}, h = {scene.h}, t = {scene.t}"
     parts = [f"{scene.name}: {title}"]
     if "readouts" in shown:
         readouts = shown["readouts"]
@@ -76,7 +78,18 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
         rows, remarks = comparison_rows(shown["table"])
         compared = "\n\n".join([table(rows, right=(1, 2, 3)), *remarks])
         parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
+    parts += [f"First values of {scene.method(key).title}: steps of {start}" for key, start in starts_of(scene).items()]
     return "\n\n".join(parts)
+
+
+def starts_of(scene: Scene) -> dict[str, str]:
+    """The key of the method that gives first values, for each multistep method of the scene."""
+    several = {key: m for key in (scene.selected, *scene.methods) if isinstance(m := scene.method(key), Multistep)}
+    if not several:
+        return {}
+    from driftproof.numeric.multistep import start_of
+
+    return {key: start_of(method).key for key, method in several.items()}
 
 
 def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
@@ -159,10 +172,10 @@ def comparison_rows(rows: dict[str, Readouts | str]) -> tuple[list[list[str]], l
     lines, remarks = [["Method", *(_COMPARED[name] for name in names)]], list[str]()
     for key, readouts in rows.items():
         if isinstance(readouts, str):
-            is_long, title = len(readouts) > _LONGEST_CELL, method_of(key).title
+            is_long, title = len(readouts) > _LONGEST_CELL, entry_of(key).title
             lines.append([title, "see below" if is_long else readouts, *[""] * (len(names) - 1)])
             remarks += [f"{title}: {readouts}"] * is_long
         else:
             cells = [x if isinstance(x := readouts[name], int) else short(x) for name in names]
-            lines.append([method_of(key).title, *map(str, cells)])
+            lines.append([entry_of(key).title, *map(str, cells)])
     return lines, remarks

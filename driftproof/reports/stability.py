@@ -27,6 +27,7 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits, largest_state_size
 from driftproof.numeric.stability import (
+    LARGEST,
     Observed,
     bounded_again,
     fewest_steps,
@@ -35,8 +36,9 @@ from driftproof.numeric.stability import (
     stays_bounded,
 )
 from driftproof.reports.progress import with_progress
+from driftproof.reports.stability_tables import DIGITS, FOLLOWS, limit_text, problems_text, stability_text
 from driftproof.reports.user_problem import GivenProblem, problem_given
-from driftproof.support.plain_text import Json, counted, table, with_digits
+from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import (
@@ -59,7 +61,6 @@ from driftproof.texts.writing.records import record
 _Rounded = TypeVar("_Rounded")
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
-_DIGITS = 6
 # The most steps of a run in the search for the fewest, of an explicit and of an implicit method, whose steps take a
 # thousand times as long; and the most steps of a run that is shown.
 _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
@@ -67,8 +68,6 @@ _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
 _SHOWN = (10, 100, 1000)
 # Far more than the 53 bits of h: a factor whose ball contains 1 even with these is printed as 1.
 _ONE_BITS = 1024
-# A run whose error is up to this part of the size of the solution follows it; with an error above that size it is lost.
-_FOLLOWS = 0.1
 # In the search for the fewest steps a run is stopped once it is this many times as large as the solution.
 _LOST = 1e6
 
@@ -128,12 +127,14 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
         **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
         "expected": expected_of(problem, method),
         **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
-        "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
+        "runs": [_run_answer(problem, method, runs, found, steps) for steps in counts],
     }
 
 
 def expected_of(problem: Problem, method: Entry) -> str:
     """What the problem says is expected of methods of this kind; "" if nothing."""
+    if isinstance(method, Multistep) and not MultistepFacts(method).zero_stable:
+        return "is not zero-stable: errors of its runs grow without bound as h tends to 0"
     return "" if isinstance(method, Additive) else problem.expected.get(behaviour(method, problem), "")
 
 
@@ -144,7 +145,7 @@ def steps_in_words(problem: Problem, method: Entry) -> str:
     except MethodError as reason:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
-        return _limit_text(_proved_limit(_system_facts(method, problem.matrix)))
+        return limit_text(_proved_limit(_system_facts(method, problem.matrix)))
     fewest, most = _nonlinear_part(problem, method, runs).values()
     return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
 
@@ -185,8 +186,9 @@ def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
         step, components = runs.of_all, components * runs.method.steps
     is_bounded = lambda h: stays_bounded(step, components, h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
-    low, high = largest_bounded(is_bounded, 1 / float(norm), float(proved))
-    again = bounded_again(is_bounded, high) if low and isfinite(high) else ()
+    scale = 1 / float(norm)
+    low, high = largest_bounded(is_bounded, scale, float(proved))
+    again = bounded_again(is_bounded, high, scale * 2**LARGEST) if isfinite(high) else ()
     return {
         **limit,
         "at_infinity": _at_infinity_text(found.at_infinity()),
@@ -198,7 +200,7 @@ def _at_infinity_text(size: Exact | Infinity | EnclosedReal | None) -> str | Non
     if isinstance(size, Infinity):
         return "oo"
     if isinstance(size, EnclosedReal):
-        return significant(size, _DIGITS)
+        return significant(size, DIGITS)
     return None if size is None else str(size)
 
 
@@ -210,19 +212,24 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
 
 def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     start, extent = float_start(problem), largest_state_size(problem)
-    least = method.steps if isinstance(method, Multistep) else 1  # fewer are those of another method
+    least = _least_steps(method)
 
     def follows(steps: int) -> bool:
         if steps < least:
             return False
         seen = observe(runs, start, step_times(problem.t, steps).h, steps, _LOST * extent)
-        return seen.failed_after is None and error_of(problem, seen) <= _FOLLOWS * extent
+        return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
     most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
+def _least_steps(method: Entry) -> int:
+    """The steps of a run with a step of the method's own; those before them are of another method."""
+    return method.steps if isinstance(method, Multistep) else 1
+
+
+def _run_answer(problem: Problem, method: Entry, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
     h = step_times(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -234,6 +241,7 @@ def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, ste
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
         "lost": error > largest_state_size(problem),
+        **({"only": runs.start_method.key} if steps < _least_steps(method) and isinstance(runs, MultistepRun) else {}),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }
 
@@ -246,7 +254,7 @@ def _proved_at(found: LinearSystem, h: Fraction) -> Json:
         bounded = str(reason)
     try:
         factor = found.stiffest_factor(h)
-        shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), _DIGITS)
+        shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), DIGITS)
         return {"bounded": bounded, "factor": shown, "factor_less_one": _minus_one(factor)}
     except ArithmeticError as reason:  # Uncertified, or a pole
         return {"bounded": bounded, "factor": {"refused": str(reason)}, "factor_less_one": None}
@@ -272,98 +280,6 @@ def error_of(problem: Problem, seen: Observed) -> float:
     return distance_from_digits(seen.state, problem.reference.states[-1])
 
 
-def stability_text(answer: Json) -> str:
-    """The answer as tables: how far steps stay stable, then each run, then what is expected."""
-    applying = [entry for entry in answer["methods"] if "refused" not in entry]
-    refused = [entry for entry in answer["methods"] if "refused" in entry]
-    tables = [part(answer, applying) for part in (_limits_text, _runs_text, _expected_text) if applying]
-    reasons = [f"{entry['method']} does not apply: {entry['refused']}" for entry in refused]
-    starts = [f"first values of {each['method']}: steps of {each['started']}" for each in applying if "started" in each]
-    return "\n\n".join(filter(None, [answer["title"], *tables, "\n".join(starts), *reasons]))
-
-
-def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
-    if not answer["linear"]:
-        rows = [["method", "N", "largest tried"]]
-        for entry in entries:
-            rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
-        said = f"the error at the end is below {_FOLLOWS} of the solution's size; with N - 1, 2(N - 1), ... not always"
-        title = f"Observed: with N steps, 2N, 4N, ... {said}"
-        return f"{title}\n\n{table(rows, right=(1, 2))}"
-    rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
-    for entry in entries:
-        rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
-    note = "observed: the powers of the float step's matrix stay below 1e9"
-    note += "\nR(oo): of a multistep method the size of the largest root of sigma" * any(
-        "started" in x for x in entries
-    )
-    return f"The step sizes h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
-
-
-def _limit_text(entry: Json) -> str:
-    limit = entry["limit"]
-    if limit in ("0", "oo"):
-        return {"0": "no h > 0", "oo": "every h > 0"}[limit]
-    if "refused" in limit:
-        return f"not decided: {limit['refused']}"
-    exact = limit["exact"] if limit["exact"] and len(limit["exact"]) <= 24 else None
-    digits, _, power = limit["decimal"].partition("e")
-    digits = digits.rstrip("0").rstrip(".") if "." in digits else digits
-    few = digits if len(digits) <= 12 else f"{digits[:12]}..."
-    decimal, shown = (f"{x}e{power}" if power else x for x in (digits, few))
-    return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
-
-
-def _seen_text(seen: Json) -> str:
-    low, high = float(seen["bounded"]), float(seen["grows"])
-    if high == inf:
-        return f"up to {with_digits(low, 4)}, the largest tried"
-    again = [with_digits(float(h), 4) for h in seen.get("again", ())]
-    then = f", again from {' to '.join(again)}" if again else ""
-    return f"up to {with_digits(low, 10)}{then}" if low else f"growth at {with_digits(high, 4)}, the smallest tried"
-
-
-def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
-    verdicts = {True: "yes", False: "no"}
-    rows = [["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "result at t"]]
-    for entry in entries:
-        for run in entry["runs"]:
-            proved = [verdicts.get(run["bounded"], "not decided"), _factor_text(run)] if answer["linear"] else []
-            rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
-    size = float(answer["size"])
-    reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
-    notes = f"error: the Euclidean distance from the solution at t, {reached}"
-    if answer["linear"]:
-        notes += "\nbounded?: proved, for exactly this h; factor: growth per step for the eigenvalue of largest modulus"
-    return f"{table(rows, right=(2,))}\n\n{notes}"
-
-
-def _factor_text(run: Json) -> str:
-    """The decimal, or the difference of the factor from 1 if the decimal is 1."""
-    decimal, rest = run["factor"].get("decimal", "not decided"), run["factor_less_one"]
-    if rest is None or Fraction(decimal) != 1:
-        return str(decimal)
-    return f"1 {'-' if rest.startswith('-') else '+'} {rest.lstrip('-')}"
-
-
-def _outcome(run: Json) -> str:
-    if run["failed_after"] is not None:
-        return f"ends at step {run['failed_after']}: {run['remark']}"
-    if run["error"] is None:
-        return "finite at t, but its error overflows binary64: lost"
-    error = f"error {with_digits(float(run['error']), 3)}"
-    return f"{error}, larger than the solution: lost" if run["lost"] else error
-
-
-def _expected_text(_: Json, entries: Sequence[Json]) -> str:
-    methods_of_sentence: dict[str, list[str]] = {}
-    for entry in entries:
-        if entry["expected"]:
-            methods_of_sentence.setdefault(entry["expected"], []).append(entry["method"])
-    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in methods_of_sentence.items()]
-    return "Expected\n\n" + "\n".join(lines) if lines else ""
-
-
 def problems_json(problems: Iterable[Problem]) -> list[Json]:
     """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
     return [
@@ -371,11 +287,3 @@ def problems_json(problems: Iterable[Problem]) -> list[Json]:
         | {"stiff": x.stiff, "second_order": x.second_order}
         for x in problems
     ]
-
-
-def problems_text(listed: Sequence[Json]) -> str:
-    """The problems listed by `problems_json`, as a table."""
-    kinds = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
-    shown = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
-    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, shown, strict=True)]
-    return table([["problem", "kind", "title"], *rows])

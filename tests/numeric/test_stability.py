@@ -14,11 +14,12 @@ from driftproof.methods.schemes import MethodError
 from driftproof.numeric.advance import Advance, State, advance, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.stability import (
-    DECIMALS,
+    BITS,
     GROWTH,
     SQUARINGS,
     STIFF_DECAY,
     _by_floats,
+    _by_integers,
     bounded_again,
     fastest_decay,
     fewest_steps,
@@ -130,10 +131,11 @@ def test_growth_that_ends_before_the_next_power_of_two_is_not_jumped_over() -> N
     assert largest_bounded(gap, 1 / 3)[1] == 2.9894
     assert largest_bounded(gap, 1 / 3, 1.7259) == (nextafter(1.7259, 0.0), 1.7259)
     assert largest_bounded(gap, 1 / 3, 1.5)[1] == 2.9894  # a wrong limit moves nothing where no growth is seen
-    assert bounded_again(gap, 1.7259) == (nextafter(2.0238, inf), nextafter(2.9894, 0.0))
-    assert bounded_again(gap, 2.9894) == ()
-    assert bounded_again(lambda h: h > 3, 1.0) == (nextafter(3.0, inf),)
-    assert bounded_again(lambda h: h > 4, 1.0) == ()
+    assert bounded_again(gap, 1.7259, 8.0) == (nextafter(2.0238, inf), nextafter(2.9894, 0.0))
+    assert bounded_again(gap, 2.9894, 8.0) == ()
+    assert bounded_again(lambda h: h > 3, 1.0, 1.0) == (nextafter(3.0, inf),)
+    assert bounded_again(lambda h: h > 4, 1.0, 7.0) == ()
+    assert bounded_again(lambda h: 50 < h < 900, 1.0, 1e6) == (nextafter(50.0, inf), nextafter(900.0, 0.0))
 
 
 def test_weak_growth_is_seen_only_above_what_so_many_steps_show() -> None:
@@ -189,7 +191,7 @@ def test_powers_of_numbers() -> None:
 def test_growth_is_seen_from_its_resolution_on() -> None:
     resolution = log(GROWTH) / 2**SQUARINGS
     assert 7e-14 < resolution < 8e-14
-    assert Q(GROWTH) ** 2 / 10**DECIMALS == Q(1, 10**27)
+    assert Q(GROWTH) ** 2 / 2**BITS < Q(1, 10**27)
     assert not powers_stay_bounded(diagonal(1 + 2 * resolution))
     grows = lambda y, h, first, last: ((1 + 0.75 * resolution) ** (last - first) * y[0],)
     assert stays_bounded(grows, 1, 0.1), "of one step, and not of two"
@@ -200,6 +202,13 @@ def test_floats_decide_what_vanishes_where_rounding_is_bounded_by_a_part_of_one(
     """L above the diagonal: off = 4uL² in two rows; in three 9uL², then 3(2L² off + 3uL⁴) = 63uL⁴; n off is below 1."""
     found = [_by_floats(np.diag([x * edge] * (n - 1), 1)) for x in (1 - 1e-6, 1 + 1e-6)]
     assert found == [True, None]
+
+
+@pytest.mark.parametrize(("radius", "bounded"), [(1 - 1e-7, True), (1 + 1e-7, False), (1e-3, True), (1e30, False)])
+def test_integers_decide_what_floats_leave_open(radius: float, bounded: bool) -> None:
+    """Triangular, with 1000 beside the diagonal: powers rise to 1000/(1 - radius) or so before they vanish."""
+    matrix = np.array([[radius, 1000.0 * min(1.0, 1e9 * abs(1 - radius) ** 1.5)], [0.0, -radius]])
+    assert _by_integers(matrix) is bounded
 
 
 def test_a_jordan_block_on_the_circle_grows_and_one_inside_does_not() -> None:

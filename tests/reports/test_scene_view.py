@@ -106,3 +106,16 @@ def test_certified_scene_is_answered_without_any_float_run(monkeypatch):
     assert show_scene(scene, 5)["certified"]["state_error"]["decimal"] == "0.00032531"
     with pytest.raises(AssertionError, match="float run"):
         show_scene(dataclasses.replace(scene, readouts=("energy",)), 5)
+
+
+def test_a_scene_of_a_problem_takes_methods_of_several_states_and_says_what_they_start_with():
+    methods = ("bdf3", "rodas4")
+    scene = Scene("s", "bdf3", Q(1, 8), Q(1), panels=("table",), methods=methods, problem=PROBLEMS["kaps"])
+    shown = show_scene(scene, 0)
+    assert [shown["table"][key]["evaluations"] for key in methods] == [shown["table"]["bdf3"]["evaluations"], 6 * 8]
+    assert scene_text(scene, shown).endswith("\n\nFirst values of BDF, 3 steps: steps of radau_iia3")
+    assert scene_json(scene, shown)["started"] == {"bdf3": "radau_iia3"}
+    rodas = dataclasses.replace(scene, selected="rodas4", methods=("rodas4",))
+    assert "started" not in scene_json(rodas, show_scene(rodas, 0))
+    with pytest.raises(ValueError, match="bdf3 is a linear multistep method: `driftproof stability`, `work"):
+        dataclasses.replace(scene, problem=None)

@@ -11,7 +11,8 @@ import driftproof
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports.stability import _limit_text, _seen_text, behaviour, stability_text
+from driftproof.reports.stability import behaviour
+from driftproof.reports.stability_tables import stability_text
 from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import exactly
 
@@ -29,23 +30,6 @@ def test_limits_proved_and_seen_stand_side_by_side(answer):
     assert "h < 1/500 = 0.002" in out
     assert re.search(r"\nradau_iia2 +every h > 0 +up to \S+, the largest tried ", out)
     assert re.search(r"\nrk4 .* up to 0\.002828427\d+ ", out)
-
-
-@pytest.mark.parametrize(
-    ("exact", "decimal", "shown"),
-    [
-        *(("1" * 24, "7.50", f"{'1' * 24} = 7.5"), ("1" * 25, "7.50", "7.5"), ("20", "20.000", "20")),
-        *((None, "0.1234567891", "0.1234567891"), (None, "0.12345678912", "0.1234567891..."), (None, "200", "200")),
-    ],
-)
-def test_a_limit_has_twelve_characters_at_most_beside_an_exact_one_of_24(exact, decimal, shown):
-    assert _limit_text({"limit": {"exact": exact, "decimal": decimal}, "attained": False}) == f"h < {shown}"
-
-
-def test_where_growth_is_seen_has_ten_digits_and_an_end_of_the_search_four():
-    seen = [("0.12345678912", "0.2"), ("0.0", "0.123456"), ("1.23456", "inf")]
-    shown = ["up to 0.1234567891", "growth at 0.1235, the smallest tried", "up to 1.235, the largest tried"]
-    assert [_seen_text({"bounded": low, "grows": high}) for low, high in seen] == shown
 
 
 def test_so_many_steps_are_run_and_no_more():
@@ -168,6 +152,13 @@ def test_methods_of_several_states_and_with_a_jacobian_have_limits_factors_and_s
         r"first values of bdf2: steps of radau_iia2",
     ):
         assert re.search(rf"^{line}", out, re.M), line
+    spring = {"rates": ["y1", "-100*y0"], "start": [1, 0], "end": 2}
+    out = str(driftproof.stability(spring, "bdf3,bdf6", "1/2"))
+    assert re.search(r"\nbdf3 +no small h +up to 7\.16\S+e-5, again from 0\.1936 +0\n", out)
+    assert re.search(r"\nbdf6 .* up to 0\.08431381\d+, again from 1\.757 +0\n", out)
+    assert "error 3.72 of radau_iia4, its start" in out  # in four steps, none of which is of six values
+    far = Multistep("far", "", 0, "", rho=(2, -3, 1), sigma=(-1, 0, 0))
+    assert "far: is not zero-stable" in str(driftproof.stability("dahlquist_1e3", far))
     trapezoid = Multistep("trapezoid", "", 2, "", rho=(-1, 1), sigma=(Fraction(1, 2), Fraction(1, 2)))
     assert behaviour(trapezoid, PROBLEMS["dahlquist_1e3"]) == "a_stable"
     assert [entry.get("started") for entry in stability("kaps", "bdf3,rodas4")] == ["radau_iia3", None]

@@ -8,7 +8,6 @@ from functools import partial
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.field_text import choices_as_functions
-from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene
@@ -70,7 +69,7 @@ def _scene(scene: Scene) -> str:
     if isinstance(readouts := shown.get("readouts", {}), str):
         said = element("p", escaped(readouts))
     else:
-        rows = [["", method_of(scene.selected).title], *readout_rows(readouts, scene.problem)]
+        rows = [["", scene.method(scene.selected).title], *readout_rows(readouts, scene.problem)]
         said = html_table(rows, at) if readouts else ""
     if "table" not in shown:
         return said

@@ -15,7 +15,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point, lasting
-from driftproof.numeric.work_precision.integrators import ENSEMBLE, MEMBERS
+from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
 from driftproof.reports.user_problem import KINKED, kinks_of
@@ -24,7 +24,7 @@ from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
 
-_LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
+_LABELS = {EVALUATIONS: EVALUATIONS, COMPILED: "compiled", PYTHON: "Python", ENSEMBLE: "ensemble, per state"}
 # Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
 _EXPLAINED = {"order reduction": ("below",), KINKED: ("below", "not settled")}
 # Characters of a step size that is shown as a fraction.
@@ -77,14 +77,29 @@ def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Poin
 
 def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
     """The method with its step size or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ..."."""
-    if found is None:
-        return "none of these runs"
-    curve, point = found
-    how = f"tolerance {point.setting}"
-    if point.steps:
-        h = study.problem.t / point.steps
-        how = f"h = {h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)}, N = {point.steps}"
-    return f"{curve.key} with {how}: {point.evaluations} evaluations"
+    return "none of these runs" if found is None else f"{_how(study, *found)}: {found[1].evaluations} evaluations"
+
+
+def _how(study: Study, curve: Curve, point: Point) -> str:
+    if not point.steps:
+        return f"{curve.key} with tolerance {point.setting}"
+    h = study.problem.t / point.steps
+    return f"{curve.key} with h = {h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)}, N = {point.steps}"
+
+
+def _least_time_text(study: Study, measured: Measured, goal: float) -> str:
+    """The run of least time that reaches the goal at the end, compiled or else in Python; "" if none was timed."""
+    for kind in (COMPILED, PYTHON):
+        met = [
+            (seconds, _how(study, curve, point))
+            for curve in measured.curves.values()
+            for point in lasting(curve.points, goal)
+            if (seconds := measured.costs(curve, kind).get(point.setting))
+        ]
+        if met:
+            seconds, how = min(met)
+            return f"\nIn the least time ({_LABELS[kind]}), {how}: {seconds_text(seconds)}"
+    return ""
 
 
 def _curve_json(curve: Curve) -> Json:
@@ -184,7 +199,8 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {MOST_IMPLICIT}, at most")
     if study.error is not None:
         best = _work_text(study, least_work(measured, study.error, "final"))
-        parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}")
+        time = _least_time_text(study, measured, study.error)
+        parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}{time}")
     parts.insert(study.error is not None, stiff)
     return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
 

@@ -42,11 +42,8 @@ class MultistepSystemFacts(LinearSystem):
     def part_is_bounded(self, eigenvalue: Eigenvalue, h: Fraction) -> bool:
         """True if solutions of one eigenvalue or pair are bounded. May raise UndecidedLimitError."""
         p = self._solutions(eigenvalue.place.minimal, h)
-        if eigenvalue.block == 1:
-            return root_condition(p).holds
-        if _inside(p) or not root_condition(p, p.degree()).holds or eigenvalue.place == ZERO_ROOT:
-            return _inside(p)
-        raise UndecidedLimitError("a Jordan block, and roots on the unit circle")
+        # On the circle dζ/dz = σ/(ρ' - zσ') is not 0, as ζ is no root of both; so a Jordan block makes n ζⁿ of it.
+        return root_condition(p).holds if eigenvalue.block == 1 else _inside(p)
 
     def factor_at(self, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
         """The largest |ζ| of solutions ζⁿ of one eigenvalue; 1 itself if one is on the unit circle and none outside."""
@@ -96,7 +93,7 @@ class MultistepSystemFacts(LinearSystem):
         if not isinstance(place, Imaginary) and real > 0:
             return NEVER  # the ζ that tends to 1 is 1 + hλ + O(h²)
         if block > 1:
-            raise UndecidedLimitError("no procedure decides the limit of a multistep method for a Jordan block")
+            raise UndecidedLimitError("a Jordan block of a multistep method; each h is decided")
         if facts.a_stable:
             return ALWAYS
         if isinstance(place, Imaginary):
@@ -107,7 +104,7 @@ class MultistepSystemFacts(LinearSystem):
             slope = lambda: abs(place.ball().imag / place.ball().real)
             if is_less(slope, facts.sector.tan.ball):
                 return ALWAYS
-        raise UndecidedLimitError("no procedure decides the limit for a complex eigenvalue outside the sector")
+        raise UndecidedLimitError("a complex eigenvalue outside every sector of A(alpha)-stability; each h is decided")
 
     def _scaled(self, limit: Limit, size: RealRoot, *, squared: bool) -> Bound:
         """The bound for h from that for h `size`; at a limit whose (squared) value is irrational it is not decided."""

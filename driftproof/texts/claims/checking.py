@@ -168,7 +168,7 @@ def _missing(
         near.sort(key=distance)
         if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
-            yield from (_difference(document, claim, expected, match) for match in nearest)
+            yield from (_difference(document, claim, expected, match, spellings) for match in nearest)
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
@@ -193,12 +193,18 @@ def _digits_and_power(number: str) -> str:
     return number
 
 
-def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
+def _difference(
+    document: Document, claim: Claim, expected: list[str], match: re.Match[str], spellings: Spellings
+) -> Finding:
+    """The first number that differs, with its question where the claim is called by its phrase."""
     wrong = [(i, *pair) for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if pair[0] != pair[1]]
     i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
         right = [*decimal_spellings(right), right][1]
-    return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
+    names = [name for name in claim.phrase.names if spellings[name][0] == expected[i - 1]]
+    asked = claim.values[names[0]].question if len(names) == 1 < len(claim.phrase.names) else None
+    of = f" for {asked}" if asked and "{" in claim.id else ""
+    return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}{of}")
 
 
 def _is_under(document: Document, claim: Claim, start: int) -> bool:

@@ -38,7 +38,7 @@ _SYMBOL = re.compile(r"(?<!\w)(?:'')?([^\W\d_])(?:'')? ?= ?\Z")
 _SYMBOLS = {"order": "p", "stages": "s", "steps": "n", "evaluations": "n", "q": "qx", "v": "vp"}
 _SYMBOLS |= {"real_limit": "hzxλ", "imaginary_limit": "hzyωλ"}
 # A linear equation that oscillates, such as x'' = -x, or decays: whose limit is imaginary or real.
-_LINEAR = re.compile(r"(?<!\w)(?P<name>[^\W\d]\w*)'(?P<second>'?)(?:\(t\))? ?= ?-(?:[\w./^]+ ?[*·]? ?)?(?P=name)\b")
+LINEAR = re.compile(r"(?<!\w)(?P<name>[^\W\d]\w*)'(?P<second>'?)(?:\(t\))? ?= ?-(?:[\w./^]+ ?[*·]? ?)?(?P=name)\b")
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
 _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
@@ -82,7 +82,7 @@ SETTING = {
 }
 # The argument of a stability function, as in z = -10, h*lambda = -1.6 and R(-10).
 _ARGUMENT = r"(?<![\w.])(?:(?:z|h ?[*·]? ?(?:λ|lambda))\s?=\s?|[rR]\((?=-?[0-9./]+\)))"
-SETTING["z"] = re.compile(rf"{_ARGUMENT}(-?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)")
+SETTING["z"] = re.compile(rf"{_ARGUMENT}(-?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w| ?[-+*·/] ?[\w(])")
 # Before a number that bounds the orders of several methods, as in zero-stable up to order 6.
 _BOUND = re.compile(r"\b(?:up to|at (?:most|least)|below|above|beyond|than) (?:the )?order \Z")
 
@@ -112,7 +112,7 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool) ->
     if asked or other_method:
         return other_method
     if quantity in ("real_limit", "imaginary_limit") and not _words("real|imaginary", before + after):
-        said = [*_LINEAR.finditer(text, max(0, start - _LONGEST), start)][-1:]
+        said = [*LINEAR.finditer(text, max(0, start - _LONGEST), start)][-1:]
         if said and bool(said[0]["second"]) != (quantity == "imaginary_limit"):
             return True
     other_setting = any(_gives_another_value(letter, head, before, after) for letter in "ht")

@@ -26,6 +26,7 @@ from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
+from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber
 
 # What the remarks say on an equation that no value is about, and on a problem that no number is of.
@@ -63,8 +64,9 @@ class Doubt(NamedTuple):
         flat = document.text.text.replace("\n", " ")
         if " is " in self.words and self.words in flat:
             return TextNumber(at := flat.index(self.words), at + len(self.words), self.words, None)
-        places = places_of(document, self.claim, self.words) if self.claim else None
-        found = [x for x in uncovered if x.text == self.words and (places is None or x.start in places)]
+        places = places_of(document, self.claim, self.words) if self.claim and not self.words[0].isalpha() else None
+        words = [TextNumber(*word, None) for word in whole_numbers_in(document.text.text)]
+        found = [x for x in (*uncovered, *words) if x.text == self.words and (places is None or x.start in places)]
         return min(found, key=lambda x: abs(document.position(x.start).line - self.line), default=None)
 
 
@@ -76,10 +78,12 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     printed = [(one.program.text, document.span(one.printed)) for one in listings_in(document) if one.printed]
-    suggestions, search = Suggestions(text, asked, printed), PhraseSearch(text)
+    suggestions = Suggestions(text, asked, printed)
+    search = PhraseSearch(text, suggestions.words)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
     unlabelled, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
-    members = [Member.of(number, suggestions, text, equations, letters) for number in unlabelled]
+    numbers = sorted((*unlabelled, *suggestions.words), key=lambda one: one.start)
+    members = [Member.of(number, suggestions, text, equations, letters) for number in numbers]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
     in_code = [m for m in members if m.number.start in code]
@@ -143,7 +147,7 @@ def doubts_of(claims: str) -> list[Doubt]:
         own, below = list[Claim](), _BELOW.search(claims, doubt.end())
         with suppress(ValueError):
             own += parse_claims(re.sub("(?m)^# ?", "", below[0])).claims if below else ()
-        has_it = own and not own[0].phrase.names and doubt[2] in own[0].phrase.free_numbers
+        has_it = own and not own[0].phrase.names and doubt[2] in own[0].phrase.free_numbers_and_words
         found.append(Doubt(int(doubt[1]), doubt[2], doubt[3], own[0] if has_it else None))
     return found
 
@@ -242,7 +246,11 @@ def _values(group: Group) -> list[str]:
     best = []
     for alike, *_ in (member.alike for member in group):
         sizes = (("places", alike.form.places), ("digits", alike.form.digits))
-        form = ["exact = true"] * alike.form.exact + [f"{key} = {n}" for key, n in sizes if n is not None]
+        form = (
+            [f'spelled = "{alike.form.spelled}"'] * bool(alike.form.spelled)
+            + ["exact = true"] * alike.form.exact
+            + [f"{key} = {n}" for key, n in sizes if n is not None]
+        )
         best.append((_quoted(alike.question), form))
     if len(best) == 1:
         return [f"value = {best[0][0]}", *best[0][1]]

@@ -4,38 +4,37 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import chain, takewhile
-from typing import Any
+from itertools import takewhile
 
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.checking import Span
-from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import (
+    SETTING,
+    begins_with_method,
+    contradicted,
+    methods_named,
+    names_in_order,
+    sentence_around,
+    sentence_before,
+)
+from driftproof.texts.claims.heads import fact_in_column
 from driftproof.texts.claims.known_values import KnownValue
+from driftproof.texts.claims.named_places import NamedPlaces
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import (
     COMPARED,
-    Place,
     asked_quantity,
     asked_settings,
-    fact_in_column,
-    fact_said,
-    is_head_of,
-    leaves_quantity,
-    place_of,
 )
-from driftproof.texts.claims.possible_values import PossibleValues
+from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_problems import speeds_named
-from driftproof.texts.claims.stated_questions import stated_questions
-from driftproof.texts.claims.tables import tables_of
+from driftproof.texts.claims.stated_facts import fact_of, fact_said, is_bound, linear_equations
+from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
@@ -43,8 +42,7 @@ from driftproof.texts.values.published import published_values
 _NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
-# A decimal of a program, and a step size or a time in a question.
-_DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
+# A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 
 
@@ -61,7 +59,7 @@ class LookAlike:
     strong: bool
 
 
-class LookAlikes:
+class LookAlikes(NamedPlaces):
     """The values that the numbers of one text look like."""
 
     def __init__(self, text: str, asked: Iterable[str] = (), printed: Iterable[tuple[str, Span]] = ()) -> None:
@@ -69,19 +67,17 @@ class LookAlikes:
 
         Programs have `printed` spans of the text.
         """
-        self.text, self.tables = text, tables_of(text)
-        self.values = PossibleValues(text, stated_questions(text, self.tables.column_of), asked)
-        self._printed = [*printed]
-        self._meant: dict[int, list[KnownValue]] = {}
-        self._places, self._named = dict[int, Place](), dict[int, Place]()
+        super().__init__(text, asked, printed)
         self._alike: dict[int, list[LookAlike]] = {}
         self.calculated = {one.result: one for one in calculations_in(text)}
         calculations = self.calculated.values()
         self.in_calculation = {at: one.start for one in calculations for at in range(one.start, one.result)}
-        self._lower = self.values.lower
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
+        if number.is_worded:
+            fact, form = self._fact_at(number), form_of(number)
+            return [LookAlike(fact, form, strong=True)] if fact and number.text in self.fact_spelled(fact, form) else []
         if number.start not in self._alike:
             try:
                 x = number.value
@@ -110,7 +106,12 @@ class LookAlikes:
         place = self._place_of(number)
         of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
+        sole = None if fact and "*" in fact else fact  # a number of evaluations is also that of a run
+        bound = is_bound(sentence_around(self._lower, number.start, number.end)[0])
         kinds = {without_sizes(each.question) for each in meant if each.stated}
+        of_two = len(digits_of(number.text)) > 1 and digits < 3
+        of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
+        joint = self.only_meant(number) if of_two else None
         compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
@@ -118,8 +119,9 @@ class LookAlikes:
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            denied = known.question != fact if fact else denied | (known.stated and place.denies(known.question))
+            denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question)
+            denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
@@ -130,17 +132,28 @@ class LookAlikes:
             elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits
-            strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
+            likely = known.is_meant(x, telling, fit, rivals) or known is joint
+            strong = likely and not denied and not elsewhere
             named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
             guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
-            strong = known.question == fact if fact else strong and not guessed
+            strong = known.question == sole if sole else strong and not guessed
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
-            order = first, denied, not headed, not strong, known not in meant and unpublished, -fit
+            # In two digits an error is like the value itself, whose name it lacks.
+            no_error = asked_quantity(known.question)[0] == "error" != place.quantity and bool(place.own)
+            order = first, denied, not headed, not strong, no_error, known not in meant and unpublished, -fit
             last = known.answer.exact != x, unpublished, len(known.question), known.question
             found.append(((*order, *last), LookAlike(known.question, form, strong)))
-        return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+        alikes = [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
+        is_fact = fact and not (alikes[:1] and alikes[0].strong) and spelled(number) in self.fact_spelled(fact, form)
+        return [LookAlike(fact, form, strong=True), *alikes] if fact and is_fact else alikes
+
+    def fact_spelled(self, fact: str, form: NumberForm) -> list[str]:
+        """What a fact is, spelled in this form; [] for none or a tie."""
+        with suppress(ValueError):
+            return form.spellings(answer) if (answer := usual(fact)) and answer.is_number else []
+        return []
 
     def _fact_at(self, number: TextNumber) -> str | None:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
@@ -149,13 +162,20 @@ class LookAlikes:
         observed = self._place_of(number).quantity == "observed_order"
         fact = fact_in_column(cell.head) if cell and not observed and cell.text.strip("≈~° ") == number.text else None
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
-            fact = "angle"
-        if not cell and (said := fact_said(*sentence_around(self._lower, number.start, number.end), own)):
-            fact, methods = said
-        if not fact or len(methods) != 1:
-            return None
-        (method,) = methods  # the stages of a splitting are counted in several ways
-        return None if fact == "stages" and isinstance(METHODS.get(method), Splitting) else f"{fact} {method}"
+            return fact_of("angle", methods)
+        if not cell:
+            before, after = self._said_around(number)
+            equation = next((one for one in reversed(linear_equations(self.text)) if one.at < number.start), None)
+            steps = self._place_of(number).steps if SETTING["h"].search(before) else None
+            return fact_said(before, after, own, equation, steps)
+        return fact_of(fact, methods) if fact and len(methods) == 1 else None
+
+    def _said_around(self, number: TextNumber) -> tuple[str, str]:
+        """The sentence before and after the number; the method of the one before in place of "it"."""
+        before, after = sentence_around(self._lower, number.start, number.end)
+        subject = re.sub(r"\A\s*(?:in [^,]{1,40}, )?(?:the )?", "", sentence_before(self._lower, number.start))
+        name = names_in_order(subject)[0] if begins_with_method(subject) else ""
+        return re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before, after
 
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""
@@ -191,27 +211,11 @@ class LookAlikes:
                     return False
         return True
 
-    def methods_at(self, number: TextNumber) -> frozenset[str]:
-        """The methods that the text names where the number stands."""
-        return self._place_of(number).methods
-
-    def counts_of_methods(self, number: TextNumber) -> bool:
-        """True if its column has one number for each method, not all the same: found, and not chosen."""
-        column = self._company[self.tables.column_place(number)]
-        rows = [next((cell.text for cell in self.tables.row_of(x) if cell.text), "") for x in column]
-        return len({x.text for x in column}) > 1 and len({*rows}) == len(rows) and bool(methods_named(rows[0]))
-
     @cached_property
-    def _numbers(self) -> list[TextNumber]:
-        return [number for number in numbers_in(self.text) if number.label is None]
-
-    @cached_property
-    def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
-        """The numbers of each column of a table, and those outside tables."""
-        found = defaultdict[tuple[int, int], list[TextNumber]](list)
-        for number in self._numbers:
-            found[self.tables.column_place(number)].append(number)
-        return found
+    def words(self) -> list[TextNumber]:
+        """The whole numbers in words that are said to be facts of methods, such as "four stages"."""
+        words = [TextNumber(*word, None) for word in whole_numbers_in(self.text)]
+        return [x for x in words if not self.tables.row_of(x) and self._fact_at(x)]
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
@@ -229,120 +233,6 @@ class LookAlikes:
             + sum(not spoken.isdisjoint(x) for x in known.methods)
             for known in self.values.known
         }
-
-    def _place_of(self, number: TextNumber) -> Place:
-        if number.start not in self._places:
-            place, table = self._named_at(number), self.tables.column_place(number)[0]
-            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
-                place = replace(place, quantity=self._quantities.get(table, place.quantity))
-            if place.quantity in COMPARED and "h" not in place.near:
-                place = replace(place, **self._runs_beside(number))
-            if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
-                step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
-                kept = {x: given for x, given in place.settings.items() if x != "h"}
-                own = {"h": step} if step else {}
-                place = replace(place, settings=kept | own, near=place.near | own.keys())
-            rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
-            if rows_of_steps and place.quantity == "observed_order":
-                place = replace(place, of_row=(self._run_of_row(number),))
-            self._places[number.start] = place
-        return self._places[number.start]
-
-    def _sizes_of_program(self, number: TextNumber) -> set[Fraction]:
-        """The step sizes of the text that stand in the program that has printed the number, if any has."""
-        programs = [program for program, (start, end) in self._printed if start <= number.start < end]
-        given = {Fraction(x) for program in programs for x in _DECIMAL.findall(program)}
-        known = (each.question for each in self.values.known if each.stated and given)
-        return given.intersection(*[chain.from_iterable(asked_settings(one)["h"] for one in known)])
-
-    def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
-        """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""
-        above = {Fraction(x) for cell in self.tables.row_of(number) for x in SETTING["h"].findall(cell.head)}
-        for x in self._company[self.tables.column_place(number)] if len(above) == 2 else ():
-            place = self._named_at(x)
-            place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
-            if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
-                own = self._named_at(number)
-                return {"settings": own.settings | {"h": max(above)}, "near": own.near | {"h"}, "of_row": (0,)}
-        return {}
-
-    def _run_of_row(self, number: TextNumber) -> int:
-        """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
-        votes, (table, _) = Counter({1: 1}), self.tables.column_place(number)
-        for x in chain(*(numbers for place, numbers in self._company.items() if place[0] == table)):
-            place = self._named_at(x)
-            for known in self.values.written_like(x) if place.quantity == "observed_order" else ():
-                if place.means(known.question, known.keys):
-                    sizes = asked_settings(known.question)["h"]
-                    votes.update(i for i, size in enumerate(sizes) if size == place.settings["h"])
-        return votes.most_common(1)[0][0]
-
-    def _named_at(self, number: TextNumber) -> Place:
-        if number.start not in self._named:
-            row = self.tables.row_of(number)
-            self._named[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
-        return self._named[number.start]
-
-    @cached_property
-    def _quantities(self) -> dict[int, str]:
-        """What a table gives whose heads do not say it, by where it begins."""
-        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x), self._unknowns))
-
-    @cached_property
-    def _steps(self) -> dict[int, Fraction]:
-        """The one step size of a table that does not say it, by where it begins."""
-        return self._most_of_tables("h", lambda x: "h" not in self._named_at(x).near)
-
-    def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:
-        """What half of the numbers of a table say, at least 3: the quantity, or the step size of those with one."""
-        tables = defaultdict[int, list[TextNumber]](list)
-        for (table, _), numbers in self._company.items() if self.values.stated else ():
-            tables[table] += [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2 and counts(x)]
-        found = dict[int, Any]()
-        for table, numbers in tables.items():
-            said = [self._said_by(x, what) for x in numbers]
-            if what == "h" and (own := {*map(Fraction, SETTING["h"].findall(self.tables.section_of(table).lower()))}):
-                said = [sizes & own for sizes in said]
-            tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
-            most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
-            if count >= max(3, of / 2):
-                found[table] = most
-        return found
-
-    def _said_by(self, number: TextNumber, what: str) -> set[Any]:
-        """The quantities, or the step sizes, of which the number has a value that its row and head name."""
-        place, found = self._named_at(number), set[Any]()
-        for known in self.values.written_like(number):
-            quantity, sizes = asked_quantity(known.question)[0], SETTING["h"].findall(known.question)
-            said: Any = quantity if what == "quantity" else next(map(Fraction, sizes), None)
-            of = place.settings | {"h": said} if what == "h" else place.settings
-            at = replace(place, settings=of, quantity=quantity if what == "quantity" else place.quantity)
-            if known.stated and said is not None and at.means(known.question, known.keys):
-                found.add(said)
-        return found
-
-    @cached_property
-    def _sizes(self) -> set[Fraction]:
-        """The step sizes that the text gives."""
-        return {*map(Fraction, SETTING["h"].findall(self._lower))}
-
-    @cached_property
-    def _unknowns(self) -> dict[str, str]:
-        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
-        asked = " ".join((*self.values.asked, *self.values.stated)).lower()
-        names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
-        speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
-        own = {*speeds.values()}
-        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x), also called v, or omega where the text says so
-            speeds |= dict.fromkeys(("v", *speeds_named(self._lower, min(own)[1:])), min(own))
-        return speeds | {name: name for name in names}
-
-    def _meant_at(self, number: TextNumber) -> list[KnownValue]:
-        """The values that the place of the number names."""
-        if number.start not in self._meant:
-            place = self._place_of(number)
-            self._meant[number.start] = [each for each in self.values.known if place.means(each.question, each.keys)]
-        return self._meant[number.start]
 
     @cached_property
     def _all_names(self) -> set[str]:

@@ -12,8 +12,8 @@ from typing import TypeAlias
 
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import methods_asked
+from driftproof.texts.claims.heads import is_head_of
 from driftproof.texts.claims.look_alikes import LookAlike
-from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_questions import LIMIT
 from driftproof.texts.claims.suggestions import Suggestions
@@ -76,7 +76,7 @@ class Member:
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)
         counted = is_head_of("n", head) and suggestions.counts_of_methods(number)
-        if (is_head_of("htnz", head) and not counted) or re.fullmatch(r"(?:[kλω]|step)(?: ?[(\[](?![0-9]).*)?", head):
+        if (is_head_of("htnsz", head) and not counted) or re.fullmatch(r"[kλω](?: ?[(\[](?![0-9]).*)?", head):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()
@@ -97,7 +97,9 @@ class Member:
     def remark(self, place: str) -> str:
         """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
         if self.slips:
-            question, slip = min(self.slips.items(), key=lambda one: (abs(Fraction(one[1]) - self.number.value), one))
+            own = self.number.value
+            near = {x: 0 if self.number.is_worded else abs(Fraction(x[1]) - own) for x in self.slips.items()}
+            question, slip = min(near, key=lambda one: (near[one], one))
             other = next((one.question for one in self.alike if one.question != question), "")
             also = f"; it looks like {other}" * bool(other)
             return f"# {place}: {self.number.text} {SLIP} {question} is {slip}{also}\n"

@@ -9,7 +9,7 @@ from driftproof.texts.claims.contradictions import begins_with_method, methods_n
 from driftproof.texts.claims.members import Group
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
-from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
 # method is looked for, which the phrase of a value names.
@@ -22,11 +22,12 @@ _BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 class PhraseSearch:
     """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, words: Iterable[TextNumber] = ()) -> None:
+        """Take a text, and its numbers in words that may be values."""
         self.tables = tables_of(text)
         self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
         self._starts: dict[str, list[int]] = {}
-        for number in self.numbers:
+        for number in sorted((*self.numbers, *words), key=lambda one: one.start):
             self._starts.setdefault(number.text, []).append(number.start)
         self._alike: dict[tuple[int, int, str], dict[str, list[int]]] = {}
         self._stands: dict[tuple[str, str], set[int]] = {}
@@ -113,7 +114,7 @@ class PhraseSearch:
                 parsed = Phrase.of(phrase)
             except ValueError:  # too long
                 return stands
-            if not (parsed.names or parsed.free_numbers):  # its numbers run together, as in 0.50.5
+            if not (parsed.names or parsed.free_numbers_and_words):  # its numbers run together, as in 0.50.5
                 return stands
             strong = [member.number.text for member in group if member.strong]
             pattern = parsed.exact({name: [spelled] for name, spelled in zip(placeholders(group), strong, strict=True)})

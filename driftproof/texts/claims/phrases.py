@@ -175,6 +175,11 @@ class Phrase:
         """The numbers in the literal texts, labels excluded."""
         return [number.text for text in self.literals for number in numbers_in(text) if number.label is None]
 
+    @property
+    def free_numbers_and_words(self) -> list[str]:
+        """The numbers in the literal texts, labels excluded, and the whole ones in words."""
+        return [*self.free_numbers, *(word.text for text in self.literals for word in words.whole_numbers_in(text))]
+
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
         """A pattern of the phrase with each value in one of its spellings, captured in a group of its name."""
         values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)

@@ -20,38 +20,29 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     sentence_around,
     sentence_before,
-    spoken_names,
+)
+from driftproof.texts.claims.heads import (
+    HEAD_OF_UNKNOWN,
+    ORDER_OF_COLUMN,
+    QUANTITY,
+    QUANTITY_WORDS,
+    SETTING_HEADS,
+    is_head_of,
+    leaves_quantity,
+    without_methods,
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
 
-# Words for the logarithm of the ratio of two errors.
-OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
-# The head of a column of observed orders, beside step sizes.
-ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
-# Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
-_WORDS = {
-    "observed_order": OBSERVED,
-    "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
-    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
-    "ratio": r"factor|ratios?|times as|divides",
-    "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value)s?|e_n|"
-    r"off(?= by)|wrong|deviat\w+|differ\w+",
-    "exact": r"exact|true|truth|solution|analytical",
-    "evaluations": r"evaluations|calls",
-    "slope": r"slopes?|gradients?",
-}
-_QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
-    rf"\b(?:{_WORDS['exact']})(?: (?:value|solution|answer|there|then|at|for|when|t ?= ?[0-9./]+|\w+ ?=))*"
+    rf"\b(?:{QUANTITY_WORDS['exact']})(?: (?:value|solution|answer|there|then|at|for|when|t ?= ?[0-9./]+|\w+ ?=))*"
     r" (?:is|reads|=|≈)(?: \w+ ?[=≈])? ?\Z"
 )
 _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0,20}\Z")
 # A quantity whose own value is given, so that what follows is another one.
-_WITH_VALUE = re.compile(rf"(?:{_QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
+_WITH_VALUE = re.compile(rf"(?:{QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
     r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
@@ -63,36 +54,14 @@ _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=�
 # A time is also given by the value of an unknown then, as in y(1).
 _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
-# The head of the column of an unknown, and of a row whose number is that of a step.
-_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_]'?)(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
 # The head of the solution's column beside those of methods.
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
-_HEADS = {
-    "h": r"h|dt|δt|step ?size",
-    "t": rf"t(?:_[ni])?|t_\{{?n\}}?|time|{TIME_UNIT}s?",
-    "n": r"n|(?:number of |n_?)?steps",
-    "z": r"z|h ?[*·]? ?λ",
-}
-# Words near an order that is not the method's own.
-_OF_SOMETHING_ELSE = re.compile(
-    r"\b(?:local|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
-    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
-)
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
-# Fact of a method -> what the head of its column says.
-_FACTS = {
-    "stages": r"stages?\b",
-    "error_constant": r"error constant",
-    "imaginary_limit": r"(?:.*\b(?:interval|limit|bound).*)?\bimaginary\b",
-    "real_limit": r"(?:.*\b(?:interval|limit|bound).*)?\b(?:negative )?real\b",
-    "limit_at_infinity": r"r\((?:∞|oo)\)",
-    "order": r"(?:order|p\Z)\b",
-}
 _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
-    r"[a-z]_0 ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
+    r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
 _PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
@@ -116,7 +85,8 @@ _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 class Place:
     """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time.
 
-    The row or the sentence of the number gives the settings `near`, and each of them one value; `own` methods are said
+    The row or the sentence of the number gives the settings `near`, and each of them one value, n the number of a step
+    from which h tells the time; `own` methods are said
     to be the number's, or it is said to be `of_solution`. Of the two runs that a question compares, one of `of_row` has
     the step size here.
     """
@@ -130,6 +100,18 @@ class Place:
     own: bool = False
     of_solution: bool = False
     of_row: tuple[int, ...] = (0, 1)
+
+    @property
+    def steps(self) -> Fraction | None:
+        """The number of steps to the time that is named nearby, None if it is no whole one."""
+        h, t = (self.settings.get(x) for x in "ht")
+        return t / h if h and t and "t" in self.near and (t / h).denominator == 1 else None
+
+    def with_step(self, h: Fraction | None) -> dict[str, Fraction]:
+        """The settings with another step size, None for none that is known, and with the time of a numbered step."""
+        n, own = self.settings.get("n"), {} if h is None else {"h": h}
+        own |= {"t": n * h} if n is not None and h is not None else {}
+        return {x: given for x, given in self.settings.items() if x != "h" and not (x == "t" and n is not None)} | own
 
     def names(self, question: str, methods: set[str], sizes: Collection[Fraction]) -> bool:
         """True if a method of the question is named here, no other time, and its step size among `sizes`."""
@@ -224,14 +206,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
         about = _WITH_VALUE.sub("", about)
-    said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
-    label = _QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
+    said, direct = [*QUANTITY.finditer(about)], _UNKNOWN.search(before)
+    label = QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
     told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
     quantity, name = told.lastgroup if told else "state" if head else None, None
     of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
-        quantity = found.lastgroup if (found := _QUANTITY.match(subject)) else None
+        quantity = found.lastgroup if (found := QUANTITY.match(subject)) else None
         of_solution = quantity == "exact"
         of_before = methods_named(subject) if begins_with_method(subject) else set()
     if found := direct or _WORKED_OUT.search(before):
@@ -244,7 +226,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 name = f"{name}_{n}"
             elif n and "h" in settings:
                 settings["t"], sure = int(n) * settings["h"], True
-    elif of_column := (_HEAD_OF_UNKNOWN.fullmatch(_without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
+    elif of_column := (HEAD_OF_UNKNOWN.fullmatch(without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
     elif not row and (listed := _SLOPES.search(before)):
         quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
@@ -266,7 +248,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         and any(is_head_of("h", cell.head) for cell in row)
     ):
         quantity = "observed_order"
-    if is_head_of("".join(_HEADS), head):
+    if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
@@ -320,7 +302,7 @@ def _settings(
     """Step size and time of the row, the head, the sentence, or the last before it; which are near; is the time?"""
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
-    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in _HEADS}
+    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in SETTING_HEADS}
     settings, near = dict[str, Fraction](), dict[str, list[str]]()
     if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + _BESIDE]):  # (0.5, 0.1) at t = 0.2
         end += state.end()
@@ -338,55 +320,17 @@ def _settings(
             continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
     counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
-    of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
     if row:
-        taken = counts * of_step
+        taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
+        settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
         taken = [] if near["t"] else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
+        near["t"] += [str(settings["t"])] * bool(row)
     elif counts and "t" in settings and not near["h"]:
         settings["h"] = settings["t"] / counts[0]
     if not row and _AT_START.search(before):
         settings["t"], near["t"] = Fraction(0), ["0"]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)
-
-
-def fact_in_column(head: str) -> str | None:
-    """The fact about methods that a column with this head, in lower case, gives."""
-    return next((fact for fact, said in _FACTS.items() if re.match(said, head)), None)
-
-
-def fact_said(before: str, after: str, own: frozenset[str]) -> tuple[str, frozenset[str]] | None:
-    """The fact of a number in a sentence, and the methods named, as in "RK4, of order 4" and "R(∞) = 0"; else None.
-
-    The number is one of the methods `own`, if it is said whose it is, also of "A and B have orders 2 and 4".
-    """
-    if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
-        return None
-    if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
-        return "limit_at_infinity", frozenset(last_methods_named(before))
-    named = rf"({spoken_names().pattern})(?: (?:method|rule|scheme))?(?::|,| has| is)?(?: (?:of|the|a))*"
-    found = re.search(rf"{named} order (?:is |= ?)?\Z", re.sub("[-\n]", " ", before))
-    if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
-        return "order", own
-    only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
-    return ("order", frozenset(methods_named(found[1]))) if found and only else None
-
-
-def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
-    """True if the head of a column names a method or a step size only, so that what is read stands above the table."""
-    named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
-    of_unknown = _HEAD_OF_UNKNOWN.fullmatch(_without_methods(head))
-    return bool(named) and not _QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
-
-
-def _without_methods(head: str) -> str:
-    """The head without the name of a method, as Euler's y is y."""
-    return re.sub(r"\A's? ?", "", spoken_names().sub("", head).strip())
-
-
-def is_head_of(settings: str, head: str) -> bool:
-    """True if the head of a column, in lower case, is that of values of one of the settings h, t, n and z."""
-    return any(re.fullmatch(rf"(?:{_HEADS[x]})(?: ?[(\[](?![0-9]).*)?", head) for x in settings)

@@ -79,7 +79,7 @@ class PossibleValues:
         Raises QuestionError if no question of the author has an answer.
         """
         questions = published_values() | dict.fromkeys(self._usual_questions())
-        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
+        found = [KnownValue(each, answer) for each in questions if (answer := usual(each))]
         asked = list[KnownValue]()
         for question, chosen in self.asked.items():
             try:
@@ -93,7 +93,7 @@ class PossibleValues:
         for question, chosen in stated.items():
             if (keys := methods_asked(question)) and keys.isdisjoint(spoken):
                 continue  # of a name that means several methods, one that is named in full nearby
-            with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
+            with suppress(ValueError, Refused):  # a method that is not for the problem, or a solution that ends
                 asked.append(KnownValue(question, self.limited(question, EFFORT), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
@@ -144,19 +144,26 @@ class PossibleValues:
 
     def limited(self, question: str, effort: float = 1.0) -> Answer:
         """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""
-        answer = value(question)
+        try:  # the sign of an error, whose ratio is asked for, takes the solution
+            with with_effort(effort):
+                answer, balls = value(question), dict[int, arb]()
+        except Refused as refusal:
+            self._refused[question] = refusal
+            raise
         x = answer.exact
         if x is None or not callable(x):
             return answer
 
         def ball() -> arb:
+            if ctx.prec in balls:  # spelled in a dozen forms, a value is worked out once
+                return balls[ctx.prec]
             if ctx.prec > _MOST_BITS:
                 raise Uncertified("a tie")
             if question in self._refused:
                 raise self._refused[question]
             try:
                 with with_effort(effort):
-                    return enclose(x)
+                    return balls.setdefault(ctx.prec, enclose(x))
             except Refused as refusal:
                 self._refused[question] = refusal
                 raise
@@ -165,7 +172,7 @@ class PossibleValues:
 
 
 @cache
-def _usual(question: str) -> Answer | None:
+def usual(question: str) -> Answer | None:
     """The answer to a question that names no file, computed once for all texts; None if there is none."""
     with suppress(ValueError):
         return value(question)

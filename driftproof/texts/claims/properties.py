@@ -34,7 +34,7 @@ class Said(NamedTuple):
 def properties_in(text: str) -> Iterator[Said]:
     """The sentences of a text in canonical spelling that say of one method that it has a property or has it not."""
     what, of = "|".join(_FACTS), spoken_names().pattern
-    said = rf"(?P<of>{of})(?: (?:method|rule|scheme))?(?:, [^,.;]{{1,30}},)? is (?P<no>not )?(?P<what>{what})\b"
+    said = rf"(?P<of>{of})(?:'s)?(?: (?:method|rule|scheme))?(?:, [^,.;]{{1,30}},)? is (?P<no>not )?(?P<what>{what})\b"
     said += rf"(?: (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?(?! ?\?)"
     lower = text.lower()
     # A hyphen or the end of a line may stand for each blank of a name.
@@ -49,7 +49,9 @@ def properties_in(text: str) -> Iterator[Said]:
 def properties_in_items(text: str) -> Iterator[Said]:
     """The properties in items such as "Trapezoidal rule: order 2, A-stable but not L-stable", without conditions."""
     what, lower = "|".join(_FACTS), text.lower()
-    item = rf"(?m)^(?P<of>{spoken_names().pattern})(?: (?:method|rule|scheme))?: (?P<rest>.*?)(?:[.;](?=\s)|\?|$)"
+    item = (
+        rf"(?m)^(?P<of>{spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?: (?P<rest>.*?)(?:[.;](?=\s)|\?|$)"
+    )
     for match in re.finditer(re.sub(r"\\? ", "[-_ ]", item), lower):
         if not (_IN_DOUBT.search(match[0]) or _CONDITION.search(match[0]) or match[0].endswith("?")):
             for one in re.finditer(

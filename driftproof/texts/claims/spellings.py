@@ -6,12 +6,14 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.claims.phrases import WORDS, NumberForm
 from driftproof.texts.readers.numbers import TextNumber
 
 
 def form_of(number: TextNumber) -> NumberForm:
     """The form in which the text writes the number."""
+    if number.is_worded:
+        return NumberForm(spelled=WORDS)
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:

@@ -11,6 +11,7 @@ from itertools import chain, pairwise
 
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import FUNCTIONS
+from driftproof.texts.claims.contradictions import spoken_names
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
@@ -94,7 +95,7 @@ class StatedProblem:
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
             return _start_of(found[index + 1])
         speed = "" if of == name else f"|{of}'"
-        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))"
+        later = r"(?! (?:at|for|when) t ?= ?(?!0(?![.\d])))(?! ?[-+*·/] ?[\w(])"  # no z = 1 - y
         found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE}){later}", near)
         return _start_of(found[1]) if found else None
 
@@ -136,6 +137,8 @@ def equations_in(text: str) -> Iterator[tuple[int, int]]:
         if _ALONE.match(match["rate"]) and not _ZERO.match(match["rate"]):
             continue
         rate = _ENDS_RATE.split(_first(match["rate"]))[0]
+        if method := spoken_names().search(rate.lower(), 1):  # -50y Euler's method
+            rate = rate[: method.start()]
         yield match.start(), match.start("rate") + len(rate)
 
 
@@ -172,7 +175,7 @@ def stated_problems(text: str) -> Iterator[StatedProblem]:
             raw[name] = name = f"d{name}"
         left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
         raw[name], leads[name] = with_greek_spelled(left + match["rate"]), lead
-        last = match.start("rate") + len(_first(match["rate"]))
+        last = match.start("rate") + len(_ENDS_RATE.split(_first(match["rate"]))[0])
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:

@@ -11,7 +11,7 @@ from itertools import chain, compress, pairwise, product
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
-from driftproof.texts.claims.places import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
@@ -72,24 +72,23 @@ def _questions(
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, COUNT_GIVEN, value_at))
     times += also
-    said, rows, counts_of_runs = counts_of_steps(part), set[int](), [*counts]
+    said, rows, counts_of_runs = counts_of_steps(part), list[Fraction](), [*counts]
     counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
     for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
-        for letter, into in (("h", sizes), ("t", times), ("n", counts_of_runs)):
+        for letter, into in (("h", sizes), ("t", times), ("n", counts_of_runs), ("s", rows)):
             if is_head_of(letter, head) and re.fullmatch(NUMBER, number.text):
                 into.append(Fraction(number.text))
-                rows |= {int(number.text)} if letter == "n" and number.text.isdigit() else set()
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
-    counts, of_steps = counts + counts_of_runs, {1, 2} <= rows  # numbers of steps, not of runs
-    if (counts_of_runs and not of_steps and len(times) <= _MOST_ENDS) or not sizes:
+    counts += counts_of_runs
+    if (counts_of_runs and len(times) <= _MOST_ENDS) or not sizes:
         sizes = sorted({*sizes, *(t / n for t in times for n in (counts_of_runs or counts) if n)})
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
     with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
     after |= {1} if with_slopes else set()
-    after |= rows - {0} if of_steps else set()
+    after |= {n for n in map(int, rows) if n}
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
     known = multistep | {*METHODS}

@@ -8,16 +8,19 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
+from itertools import product
 from typing import TypeAlias
 
+from driftproof.enclosure.evaluations import Refused
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
-from driftproof.texts.claims.places import COMPARED, asked_quantity
+from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
 from driftproof.texts.claims.possible_values import EFFORT, LIMITS_OF_METHODS, SHARE
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
+from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
@@ -76,6 +79,9 @@ class Suggestions(LookAlikes):
         limit needs four and its names in the sentence: one number in 180 is by chance a slip for a given value.
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
+        if number.is_worded:
+            own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
+            return {fact: own[0]} if fact and own and number.text not in own else {}
         found, written = dict[str, str](), self.values.written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
@@ -109,9 +115,9 @@ class Suggestions(LookAlikes):
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
-                answer = next((each.answer for each in self.values.known if each.question == fact), None)
-                own = form_of(number).spellings(answer) if answer and answer.is_number else []
-                found |= {fact: own[0]} if own and spelled(number) not in own else {}
+                own = self.fact_spelled(fact, form_of(number))
+                wrong = own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0]))
+                found |= {fact: own[0]} if wrong else {}
             elif fact in first:
                 of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
                 of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
@@ -120,10 +126,30 @@ class Suggestions(LookAlikes):
                 in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
                 found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
+        found = {} if self._is_of_row(number, found) else found
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _is_of_row(self, number: TextNumber, found: Iterable[str]) -> bool:
+        """True if the number is such a value at the step size or time that stands in its row, under whatever head."""
+        row = {Fraction(x.text) for x in self.tables.row_of(number) if re.fullmatch(r"[0-9]+(?:\.[0-9]+)?", x.text)}
+        for one, other in product(found, self.look_alikes(number) if row else ()):
+            if without_sizes(one) == without_sizes(other.question):
+                said, own = asked_settings(one), asked_settings(other.question)
+                if all(said[x] == own[x] or (row >= {*own[x]} and not row >= {*said[x]}) for x in said):
+                    return True
+        return False
+
+    def _is_safe(self, number: TextNumber, fact: str, limit: Fraction) -> bool:
+        """True for a bound of step sizes that is right and no limit: cut off, of two digits, or 1 in 20 away."""
+        x, last = number.value, Fraction(1, 10 ** (number.places or 0))
+        before, _ = sentence_around(self._lower, number.start, number.end)
+        safe = is_on_the_safe_side(before, x, limit) and (
+            len(digits_of(number.text)) < 3 or abs(x - limit) <= last or 20 * abs(x - limit) > limit
+        )
+        return is_bound(before) and safe
 
     def _methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""
@@ -147,14 +173,18 @@ class Suggestions(LookAlikes):
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
         """The one value that the place names, if the number is near to it, or has another h or t, or unknown there.
 
-        Numbers of less than three digits are none.
+        Numbers of less than three digits are none, but for those of two in a table whose others are what is meant.
         """
-        if digits < 3:
+        if digits < 3 and not (digits == 2 and self.agrees_jointly(number)):
             return {}
         stated = [known.question for known in self._meant_at(number) if known.stated]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
         runs = [run for one in alike if (run := without_sizes(one)) != one]
+        if digits < 3:  # a last digit that is cut off is no slip
+            named = {x: y for x, y in named.items() if abs(number.value - Fraction(y)) > abs(Fraction(y)) / 10}
+            found = self._misfit(number, named)
+            return found if len({*found.values()}) == 1 else {}
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
         if not found and digits > 3:
@@ -183,7 +213,7 @@ class Suggestions(LookAlikes):
             h, t = (next(map(Fraction, SETTING[x].findall(question)), None) for x in "ht")
             for other in (t - h, t + h) if h and t else ():
                 there = _TIME.sub(f"t={other}", question)
-                with suppress(ValueError):
+                with suppress(ValueError, Refused):
                     if other > 0 and spelled(number) in form_of(number).spellings(self.values.limited(there, EFFORT)):
                         found[question] = spelling
         return found

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterator
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from itertools import dropwhile, pairwise, takewhile
+from itertools import chain, dropwhile, pairwise, takewhile
 from typing import NamedTuple
 
+from driftproof.texts.claims.heads import STEP, is_head_of, is_of_steps
 from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
@@ -66,6 +67,7 @@ class TextTables:
     def __init__(self, text: str) -> None:
         self._written, self._text = text, text.lower()
         self._rows, self._beginnings = dict[int, list[Cell]](), dict[int, Counter[str]]()
+        self._begins, self._read = dict[int, int](), set[int]()
 
     def column_of(self, number: TextNumber) -> str:
         """The head of the number's column in a table, in lower case; "" for other numbers."""
@@ -77,17 +79,41 @@ class TextTables:
 
     def row_of(self, number: TextNumber) -> list[Cell]:
         """The cells of the number's row in a table; [] outside tables."""
-        return self._row(self._text.rfind("\n", 0, number.start) + 1)
+        start = self._text.rfind("\n", 0, number.start) + 1
+        row = self._row(start)
+        if row and (table := self._beginning(start)) not in self._read:
+            self._read.add(table)
+            self._mark_steps([*self._table(table)])
+        return row
+
+    def _mark_steps(self, rows: list[list[Cell]]) -> None:
+        """Call the columns of a table so which have numbers of steps, each in the row of its step."""
+        columns = defaultdict[int, list[Cell]](list)
+        for i, cell in chain(*map(enumerate, rows)):
+            columns[i] += [cell] * bool(cell.head and cell.written)
+        heads = {cells[0].head_written for cells in columns.values() if cells}
+        for i, cells in columns.items():
+            if cells and is_of_steps(cells[0].head_written, [cell.written for cell in cells], heads):
+                for row in rows:
+                    row[i : i + 1] = [cell._replace(head=STEP) for cell in row[i : i + 1]]
 
     def rows(self) -> Iterator[list[Cell]]:
         """The cells of every row of every table."""
         yield from filter(None, (self._row(line.start()) for line in re.finditer("(?m)^", self._text)))
 
     def _row(self, start: int) -> list[Cell]:
-        row = self._text[start : (self._text.find("\n", start) + 1 or len(self._text) + 1) - 1]
+        row = self._line(start)
         if start not in self._rows:
             self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) and _IS_ROW.search(row) else []
         return self._rows[start]
+
+    def _line(self, start: int) -> str:
+        return self._text[start : (self._text.find("\n", start) + 1 or len(self._text) + 1) - 1]
+
+    def _begins_anew(self, start: int) -> bool:
+        """True if the row that begins there has the heads of a table right below another one."""
+        above = self._line(self._text.rfind("\n", 0, max(0, start - 1)) + 1) if start else ""
+        return _is_heads_of_setting(_CELL.split(self._line(start))) and _has_numbers(_CELL.split(above))
 
     def address(self, number: TextNumber) -> Address:
         """The row of the number, as the text writes it: as much of it as no other one begins with; and its column.
@@ -110,13 +136,14 @@ class TextTables:
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""
         row = self._row(self._text.rfind("\n", 0, start) + 1)
-        heads = [cell.head for cell in row if cell.start <= start < cell.end]
+        heads = [cell.head_written.lower() for cell in row if cell.start <= start < cell.end]
         is_row = not address.row or address.row.lower() in map(str.lower, _beginnings(row))
         return is_row and (not address.column or heads == [address.column.lower()])
 
     def _table(self, start: int) -> Iterator[list[Cell]]:
         """The rows of the table that begins there."""
-        while start >= 0 and (row := self._row(start)):
+        first = start
+        while start >= 0 and (row := self._row(start)) and (start == first or not self._begins_anew(start)):
             yield row
             start = self._text.find("\n", start) + 1 or -1
 
@@ -133,14 +160,26 @@ class TextTables:
         cell = self.cell_of(number)
         column = self.row_of(number).index(cell) if cell else -1
         start = self._text.rfind("\n", 0, number.start) + 1
-        while start and self._row(begin := self._text.rfind("\n", 0, start - 1) + 1):
-            start = begin
-        return (start, column) if column >= 0 else (-1, -1)
+        return (self._beginning(start), column) if column >= 0 else (-1, -1)
+
+    def _beginning(self, start: int) -> int:
+        """The place where the table with the row that begins there begins."""
+        if start not in self._begins:
+            begin, rows = start, [start]
+            while begin not in self._begins and begin and not self._begins_anew(begin):
+                if not self._row(above := self._text.rfind("\n", 0, begin - 1) + 1):
+                    break
+                rows.append(begin := above)
+            self._begins |= dict.fromkeys(rows, self._begins.get(begin, begin))
+        return self._begins[start]
 
     def _cells(self, row: str, start: int) -> Iterator[Cell]:
-        heads, below = dict[int, str](), list[str]()
+        heads, below, is_second = dict[int, str](), list[str](), False
         above = self._written[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
         for cells in map(_CELL.split, takewhile(_IS_ROW.search, reversed(above))):
+            if below and is_second and _has_numbers(cells):
+                break  # of a table right above this one
+            is_second = _is_heads_of_setting(cells)
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
                 named = [_BOLD.sub(r"\1", cell.strip()) for cell in cells]
                 named = [cell.replace("(3/8)", "(3/8 rule)") for cell in named]
@@ -150,6 +189,16 @@ class TextTables:
         for column, (begin, end) in enumerate(pairwise([0, *ends])):
             head, cell = heads.get(column, ""), _CELL.sub("", self._written[start + begin : start + end]).strip()
             yield Cell(head.lower(), cell.lower(), start + begin, start + end, head, cell)
+
+
+def _has_numbers(cells: Iterable[str]) -> bool:
+    return any(cell.strip()[:1].isdigit() for cell in cells)
+
+
+def _is_heads_of_setting(cells: Iterable[str]) -> bool:
+    """True for a row of heads, the first that of a step size, a time or a number of steps."""
+    shown = [cell.strip().lower() for cell in cells if cell.strip()]
+    return len(shown) > 1 and is_head_of("htns", shown[0]) and not _has_numbers(shown)
 
 
 def _beginnings(row: list[Cell]) -> list[str]:

@@ -16,23 +16,26 @@ from driftproof.texts.readers.columns import with_columns_parted
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.jupyter import notebook_blocks
 from driftproof.texts.readers.markdown import markdown_blocks
+from driftproof.texts.readers.mediawiki import WIKI_TABLE, mediawiki_blocks
 from driftproof.texts.readers.restructured import restructured_blocks
 from driftproof.texts.readers.source_text import PROSE, Block, Insertion, SourceText, joined
 from driftproof.texts.readers.tex import tex_blocks
 
 READERS: dict[str, Callable[[SourceText], list[Block]]] = {
-    "plain": lambda source: [Block(PROSE, source)],
+    "plain": lambda source: mediawiki_blocks(source) if WIKI_TABLE.search(source.text) else [Block(PROSE, source)],
     "markdown": markdown_blocks,
     "html": html_blocks,
     "rst": restructured_blocks,
     "tex": tex_blocks,
     "notebook": notebook_blocks,
+    "mediawiki": mediawiki_blocks,
 }
 _ENDINGS = {
     **dict.fromkeys((".md", ".markdown", ".qmd", ".rmd", ".myst"), "markdown"),
     **dict.fromkeys((".html", ".htm", ".xhtml"), "html"),
     **dict.fromkeys((".tex", ".ltx", ".latex"), "tex"),
     **dict.fromkeys((".rst", ".rest"), "rst"),
+    **dict.fromkeys((".mediawiki", ".wiki"), "mediawiki"),
     ".ipynb": "notebook",
 }
 _CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)

@@ -70,8 +70,8 @@ _LINK = re.compile(
     r"!?\[(?P<a>[^\[\]]{0,500})\](?:\([^()\s]{0,500}(?:\s+[\"'][^\n]{0,200}[\"'])?\)|\[[^\[\]\n]{0,200}\])"
 )
 _ADDRESS = re.compile(r"<https?:[^<>\s]{1,500}>")
-_TAG = re.compile(r"<(?P<end>/?)(?P<name>[A-Za-z][A-Za-z0-9-]{0,30})(?:\s[^<>]{0,1000})?/?>")
-_ENTITY = re.compile(r"&(?:#[0-9]{1,7}|#[xX][0-9a-fA-F]{1,6}|[A-Za-z][A-Za-z0-9]{1,31});")
+TAG = re.compile(r"<(?P<end>/?)(?P<name>[A-Za-z][A-Za-z0-9-]{0,30})(?:\s[^<>]{0,1000})?/?>")
+ENTITY = re.compile(r"&(?:#[0-9]{1,7}|#[xX][0-9a-fA-F]{1,6}|[A-Za-z][A-Za-z0-9]{1,31});")
 _STRONG = re.compile(r"(\*\*|__)(?=\S)(?P<a>[^\n]{1,500}?)(?<=\S)\1")
 _STRESSED = re.compile(
     r"(?<![\w*])\*(?=\S)(?P<a>[^*\n]{1,500}?)(?<=\S)\*(?![\w*])|(?<!\w)_(?=\S)(?P<b>[^_\n]{1,500}?)(?<=\S)_(?!\w)"
@@ -124,7 +124,7 @@ def markdown_prose(text: SourceText) -> SourceText:
     text = text.rewritten(_ESCAPED, lambda match: [_shield(match[1])]).removed(_ADDRESS)
     for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # twice, as the text of a link may be a link or a picture
         text = text.rewritten(pattern, lambda match: [match.span("b" if match["a"] is None else "a")])
-    text = text.rewritten(_TAG, _tag).rewritten(_ENTITY, lambda match: [html.unescape(match[0])])
+    text = text.rewritten(TAG, tag_pieces).rewritten(ENTITY, lambda match: [html.unescape(match[0])])
     return unshielded(text)
 
 
@@ -180,7 +180,8 @@ _PARTING = {
 }  # fmt: skip
 
 
-def _tag(match: re.Match[str]) -> Iterable[Piece]:
+def tag_pieces(match: re.Match[str]) -> Iterable[Piece]:
+    """What stands for a tag: a sign of what is raised or lowered, what parts the text around it, or nothing."""
     name = match["name"].lower()
     if match["end"]:
         return ["}" if name in _SCRIPTS else ""]

@@ -29,6 +29,7 @@ _PART = rf"(?:an?|{_UNIT})[- ](?:hal(?:f|ves)|(?:{'|'.join([*_PARTS.values()][1:
 WORDED_NUMBER = rf"(?:{_PART}|{_WHOLE}|half|twice|thrice)"
 WORDED_TREND = rf"(?:{'|'.join(' '.join(_TRENDS.values()).split())})"
 _NUMBER = re.compile(rf"\b{WORDED_NUMBER}\b", re.IGNORECASE)
+_WHOLE_NUMBER = re.compile(rf"\b{_BELOW_HUNDRED}\b(?![- ](?:{_LARGE}|hal(?:f|ves)|thirds?|quarters?))", re.IGNORECASE)
 _TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
 _CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\b", re.IGNORECASE)
 # "one" by itself is more often a pronoun; it counts after a word for counting.
@@ -90,6 +91,19 @@ def words_in(text: str) -> list[TextWord]:
     numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()])]
     found = [*numbers, *_CHANGE.finditer(text)]
     return sorted(TextWord(*match.span(), match[0]) for match in found)
+
+
+def whole_numbers_in(text: str) -> list[TextWord]:
+    """The whole numbers in words, each "one" among them, in order."""
+    return [TextWord(*match.span(), match[0]) for match in _WHOLE_NUMBER.finditer(text)]
+
+
+def whole_number(text: str) -> int:
+    """The number below a hundred that the words stand for. Raises ValueError for other words."""
+    tens, _, ones = text.lower().replace(" ", "-").partition("-")
+    if tens in _TENS and (not ones or ones in _SMALL[1:10]):
+        return 10 * (_TENS.index(tens) + 2) + (_SMALL.index(ones) if ones else 0)
+    return _SMALL.index(text.lower())
 
 
 def _cardinal(n: int) -> str:

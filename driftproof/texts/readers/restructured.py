@@ -116,10 +116,11 @@ def _rows(text: SourceText) -> Iterator[SourceText | Insertion]:
             columns = [match.start() for match in _COLUMN.finditer(line)] if after.strip() else []
         elif columns:
             apart = [match.start() for match in CELL.finditer(line)]  # beside the borders, as writers leave them
-            starts = apart if len(apart) == len(columns) else columns
-            for start, end in zip(starts, [*starts[1:], len(line)], strict=True):
+            starts, until = apart if len(apart) == len(columns) else columns, len(line.rstrip("\n"))
+            for start, end in zip(starts, [*starts[1:], until], strict=True):
                 yield Insertion("| ", text.origin(min(at + start, at + len(line) - 1)))
-                yield text[min(at + start, at + len(line)) : min(at + end, at + len(line))]
+                yield text[at + min(start, until) : at + min(end, until)]
+            yield text[at + until : at + len(line)]
         else:
             yield text[at : at + len(line)]
         at += len(line)

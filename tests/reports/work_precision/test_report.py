@@ -78,6 +78,13 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     assert shown.count("Least work for an error at the end of at most") == 1
     found = report.errors_json(asked, three_curves())["least_work"]
     assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")
+    timed = three_curves()
+    for key, setting, seconds in (("lucky", "16", 3e-6), ("steady", "20", 2e-6), ("floor", "16", 1e-6)):
+        timed.timings[timing_name(key, "python", setting)] = Timing(samples=[seconds])
+    shown = report.study_text(asked, timed)
+    assert "evaluations\nIn the least time (Python), steady with h = 1/2, N = 20: 2.00 µs\n\n" in shown
+    timed.timings[timing_name("lucky", "compiled", "16")] = Timing(samples=[1e-6])
+    assert "In the least time (compiled), lucky with h = 5/8, N = 16: 1.00 µs\n\n" in report.study_text(asked, timed)
     none = report.study_text(replace(asked, error=1e-9), three_curves())
     assert none.startswith("For an error of at most 1e-9 at the end, none of these runs\n\n")
 

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from driftproof.texts.claims.checking import check_claims, coverage
 from driftproof.texts.claims.claims import Claims, parse_claims
+from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import document_of
+from driftproof.texts.readers.numbers import numbers_in
 
 
 def claim(phrase, more="", value="0.33"):
@@ -39,3 +41,20 @@ def held(document, text):
     findings = [finding for outcome in outcomes for finding in outcome.findings]
     assert findings == []  # of a text without numbers there is nothing to find
     return coverage(document, outcomes).counts
+
+
+def claims_and_slips(text):
+    """What each number of a text with a point in it is claimed to be, "" for nothing, and the slips."""
+    suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if "." in x.text]
+    best = {x.text: ones[0] if (ones := suggestions.look_alikes(x)) else None for x in numbers}
+    claimed = {text: one.question if one and one.strong else "" for text, one in best.items()}
+    return claimed, {x.text: [*suggestions.slips(x).values()] for x in numbers if suggestions.slips(x)}
+
+
+def strong_and_slips(text):
+    """What each number of two digits or more, or of an order, is strongly like, and is a slip for."""
+    suggestions, found = Suggestions(text), list[tuple[str, bool, list[str]]]()
+    for number in numbers_in(text):
+        alike = suggestions.look_alikes(number)[:1]
+        found.append((number.text, any(one.strong for one in alike), [*suggestions.slips(number).values()]))
+    return found

@@ -286,3 +286,10 @@ def test_what_is_wrong_is_reported_where_it_was_changed(old, new, line, found):
     document = document_of(MOVED.replace(old, new, 1), "markdown")
     findings = [x for one in check_claims(document, parse_claims(OF_MOVED).claims) for x in one.findings]
     assert (findings[0].line, findings[0].found) == (line, found)
+
+
+def test_a_wrong_number_of_several_is_named_with_its_question():
+    values = 'values = { a = { ask = "order rk4" }, b = { ask = "order heun2" } }'
+    (one,) = parse_claims(f'[[claim]]\nid = "| {{a}} | {{b}} |"\nphrase = "| {{a}} | {{b}} |"\n{values}').claims
+    (finding,) = check_claim(document_of("| 4 | 3 |"), one, one.spellings()).findings
+    assert finding.message == "expected 2, found 3 for order heun2"

@@ -59,6 +59,7 @@ def place(text, number):
         ("t = 1\n| method | RK4 |\n| error | 0.77 |", {"rk4"}, (None, 1), "error", None),
         ("Heun, h = 0.1, t = 3. At the start y = 0.77", {"heun2"}, (Q(1, 10), 0), "state", "y"),
         ("Heun, h = 0.1, t = 3. Its energy is initially 0.77", {"heun2"}, (Q(1, 10), 0), "energy", None),
+        ("Heun, h = 0.1, t = 3: E(0) = 0.77", {"heun2"}, (Q(1, 10), 0), "state", "e"),
         ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )

@@ -12,6 +12,8 @@ from driftproof.texts.claims.properties import properties_in, properties_in_item
         ("BDF3 is A-stable", "a_stable bdf3", "yes", False),
         ("the Crank-Nicolson\nmethod is not\nL-stable", "l_stable trapezoid", "no", True),
         ("Leapfrog is symplectic", "symplectic position_verlet", "yes", True),
+        ("Euler's method is A-stable", "a_stable forward_euler", "yes", False),
+        ("Heun's is not A-stable", "a_stable heun2", "no", True),
         ("classical RK4 is symmetric", "symmetric rk4", "yes", False),
     ],
 )

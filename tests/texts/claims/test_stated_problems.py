@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from driftproof.texts.claims.stated_problems import equations_in
+from driftproof.texts.claims.stated_problems import equations_in, stated_problems
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import document_of
 from driftproof.texts.readers.numbers import numbers_in
@@ -217,3 +217,9 @@ def test_an_energy_in_another_name_of_the_derivative_is_that_of_the_problem():
     energies = [one for one in stated(text) if "energy=" in one]
     assert len(energies) == 2
     assert all("energy=dtheta^2/2 - cos(theta), h=" in one for one in energies)
+
+
+def test_an_equation_ends_before_a_method_and_is_no_system_with_that_of_another_sentence():
+    text = "On y' = -50y Euler's method is unstable. Near 1 it is z' = -z."
+    assert [text[slice(*span)] for span in equations_in(text)] == ["y' = -50y ", "z' = -z"]
+    assert [one.rates for one in stated_problems(text)] == [{"y": "-50y"}, {"z": "-z"}]

@@ -61,3 +61,10 @@ def test_cells_of_a_row_have_their_places_in_the_text():
         ("heun", "1.125", "1.125"),
     ]
     assert tables.row_of(number) is tables.row_of(number), "found once"
+
+
+def test_heads_of_a_setting_right_below_numbers_begin_another_table():
+    text = "| h | error |\n| 0.1 | 0.5 |\n| h | order |\n| 0.1 | 2.0 |\n| 0.2 | 2.1 |"
+    tables, numbers = TextTables(text), numbers_in(text)
+    assert [tables.column_of(x) for x in numbers] == ["h", "error", "h", "order", "h", "order"]
+    assert [tables.column_place(x)[0] for x in numbers] == [0, 0, 28, 28, 28, 28]

@@ -1,0 +1,246 @@
+"""What the places of the numbers of one text name, with what their tables and programs say of all of them."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import chain
+from typing import Any
+
+from driftproof.texts.claims.checking import Span
+from driftproof.texts.claims.contradictions import (
+    SETTING,
+    methods_named,
+    sentence_around,
+)
+from driftproof.texts.claims.heads import is_head_of, leaves_quantity
+from driftproof.texts.claims.known_values import KnownValue
+from driftproof.texts.claims.places import (
+    COMPARED,
+    Place,
+    asked_quantity,
+    asked_settings,
+    place_of,
+)
+from driftproof.texts.claims.possible_values import PossibleValues
+from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.stated_problems import speeds_named
+from driftproof.texts.claims.stated_questions import stated_questions
+from driftproof.texts.claims.tables import tables_of
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
+
+# A decimal of a program.
+_DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
+
+
+# What says that a percentage is an error.
+_ERROR = re.compile(r"\b(?:errors?|off|wrong|deviat\w+|differ\w+|inaccura\w+)\b")
+_OFF = re.compile(r" ?% (?:too|off|error|wrong|of error)\b")
+
+
+class NamedPlaces:
+    """The values that the numbers of one text may be, and what is named where they stand."""
+
+    def __init__(self, text: str, asked: Iterable[str] = (), printed: Iterable[tuple[str, Span]] = ()) -> None:
+        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has.
+
+        Programs have `printed` spans of the text.
+        """
+        self.text, self.tables = text, tables_of(text)
+        self.values = PossibleValues(text, stated_questions(text, self.tables.column_of), asked)
+        self._printed = [*printed]
+        self._meant: dict[int, list[KnownValue]] = {}
+        self._places, self._named = dict[int, Place](), dict[int, Place]()
+        self._lower = self.values.lower
+
+    def methods_at(self, number: TextNumber) -> frozenset[str]:
+        """The methods that the text names where the number stands."""
+        return self._place_of(number).methods
+
+    def counts_of_methods(self, number: TextNumber) -> bool:
+        """True if its column has one number for each method, not all the same: found, and not chosen."""
+        column = self._company[self.tables.column_place(number)]
+        rows = [next((cell.text for cell in self.tables.row_of(x) if cell.text), "") for x in column]
+        return len({x.text for x in column}) > 1 and len({*rows}) == len(rows) and bool(methods_named(rows[0]))
+
+    @cached_property
+    def _numbers(self) -> list[TextNumber]:
+        return [number for number in numbers_in(self.text) if number.label is None]
+
+    @cached_property
+    def _company(self) -> dict[tuple[int, int], list[TextNumber]]:
+        """The numbers of each column of a table, and those outside tables."""
+        found = defaultdict[tuple[int, int], list[TextNumber]](list)
+        for number in self._numbers:
+            found[self.tables.column_place(number)].append(number)
+        return found
+
+    def _place_of(self, number: TextNumber) -> Place:
+        if number.start not in self._places:
+            place, table = self._named_at(number), self.tables.column_place(number)[0]
+            if table in self._methods and not self._names_method(number):
+                place = replace(place, methods=frozenset(self._methods[table]))
+            if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
+                place = replace(place, quantity=self._quantities.get(table, place.quantity))
+            if place.quantity in COMPARED and "h" not in place.near:
+                place = replace(place, **self._runs_beside(number))
+            if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
+                step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
+                place = replace(place, settings=place.with_step(step), near=place.near | ({"h"} if step else set()))
+            rows_of_steps = any(is_head_of("h", cell.head) for cell in self.tables.row_of(number))
+            if rows_of_steps and place.quantity == "observed_order":
+                place = replace(place, of_row=(self._run_of_row(number),))
+            self._places[number.start] = place
+        return self._places[number.start]
+
+    def _sizes_of_program(self, number: TextNumber) -> set[Fraction]:
+        """The step sizes of the text that stand in the program that has printed the number, if any has."""
+        programs = [program for program, (start, end) in self._printed if start <= number.start < end]
+        given = {Fraction(x) for program in programs for x in _DECIMAL.findall(program)}
+        known = (each.question for each in self.values.known if each.stated and given)
+        return given.intersection(*[chain.from_iterable(asked_settings(one)["h"] for one in known)])
+
+    def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
+        """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""
+        above = {Fraction(x) for cell in self.tables.row_of(number) for x in SETTING["h"].findall(cell.head)}
+        for x in self._company[self.tables.column_place(number)] if len(above) == 2 else ():
+            place = self._named_at(x)
+            place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
+            if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
+                own = self._named_at(number)
+                return {"settings": own.settings | {"h": max(above)}, "near": own.near | {"h"}, "of_row": (0,)}
+        return {}
+
+    def _run_of_row(self, number: TextNumber) -> int:
+        """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""
+        votes, (table, _) = Counter({1: 1}), self.tables.column_place(number)
+        for x in chain(*(numbers for place, numbers in self._company.items() if place[0] == table)):
+            place = self._named_at(x)
+            for known in self.values.written_like(x) if place.quantity == "observed_order" else ():
+                if place.means(known.question, known.keys):
+                    sizes = asked_settings(known.question)["h"]
+                    votes.update(i for i, size in enumerate(sizes) if size == place.settings["h"])
+        return votes.most_common(1)[0][0]
+
+    def _named_at(self, number: TextNumber) -> Place:
+        if number.start not in self._named:
+            row = self.tables.row_of(number)
+            self._named[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
+        return self._named[number.start]
+
+    @cached_property
+    def _quantities(self) -> dict[int, str]:
+        """What a table gives whose heads do not say it, by where it begins."""
+        return self._most_of_tables("quantity", lambda x: leaves_quantity(self.tables.column_of(x), self._unknowns))
+
+    @cached_property
+    def _methods(self) -> dict[int, frozenset[str]]:
+        """The method of a table that does not name it, by where it begins: the text may name others in between."""
+        return self._most_of_tables("method", lambda x: not self._names_method(x))
+
+    def _names_method(self, number: TextNumber) -> bool:
+        """True if a head or a cell of the number's row names a method, or says in words what the row is of."""
+        row = self.tables.row_of(number)
+        label = next((cell.text for cell in row if cell.text), "")
+        return (
+            any(methods_named(f"{cell.head} | {cell.text}") for cell in row)
+            or re.search(r"[^\W\d]{2}", label) is not None
+        )
+
+    @cached_property
+    def _steps(self) -> dict[int, Fraction]:
+        """The one step size of a table that does not say it, by where it begins."""
+        return self._most_of_tables("h", lambda x: "h" not in self._named_at(x).near)
+
+    def agrees_jointly(self, number: TextNumber) -> bool:
+        """True for a number of two digits or more in a table, and a column, half of whose numbers are what is meant.
+
+        One of two digits is another one by chance as often as a number begins with 10, 1 time in 24, and one of the two
+        that a name such as midpoint means 1 time in 12. That half of n are, and at least 3, is so once in 600 tables of
+        six numbers, once in 100 if all have such a name, and less often in others.
+        """
+        place = self.tables.column_place(number)
+        return place[0] >= 0 and all(self._agree_jointly.get(x, False) for x in (place, (place[0], -1)))
+
+    @cached_property
+    def _agree_jointly(self) -> dict[tuple[int, int], bool]:
+        """For each column of a table, and each table as column -1, whether half of it and 2 or 3 numbers agree."""
+        tally = defaultdict[tuple[int, int], list[bool]](list)
+        for (table, column), numbers in self._company.items() if self.values.stated else ():
+            for x in numbers if table >= 0 else ():
+                meant = [known for known in self._meant_at(x) if known.stated]
+                if 0 < len(meant) < 3 and len(digits_of(x.text)) > 1:
+                    agrees = self.only_meant(x) is not None
+                    tally[table, column].append(agrees)
+                    tally[table, -1].append(agrees)
+        return {x: sum(of) >= max(2 + (x[1] < 0), len(of) / 2) for x, of in tally.items()}
+
+    def says_percent_of_error(self, number: TextNumber) -> bool:
+        """True for a percentage that its sentence says to be an error, at a time that it gives."""
+        place, (before, after) = self._place_of(number), sentence_around(self._lower, number.start, number.end)
+        is_error = _ERROR.search(before) or _OFF.match(after)
+        return place.quantity == "percent" and place.sure and "t" in place.near and is_error is not None
+
+    def only_meant(self, number: TextNumber) -> KnownValue | None:
+        """The one value of a stated problem that the number's place names and that is spelled like it."""
+        alike = {known.question for known in self.values.written_like(number)}
+        found = [known for known in self._meant_at(number) if known.stated and known.question in alike]
+        return found[0] if len(found) == 1 else None
+
+    def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:
+        """What half of the numbers of a table say, at least 3: the quantity, or the step size of those with one."""
+        tables = defaultdict[int, list[TextNumber]](list)
+        for (table, _), numbers in self._company.items() if self.values.stated else ():
+            tables[table] += [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2 and counts(x)]
+        found = dict[int, Any]()
+        for table, numbers in tables.items():
+            said = [self._said_by(x, what) for x in numbers]
+            if what == "h" and (own := {*map(Fraction, SETTING["h"].findall(self.tables.section_of(table).lower()))}):
+                said = [sizes & own for sizes in said]
+            tally, of = Counter(chain(*said)), sum(map(bool, said)) if what == "h" else len(numbers)
+            most, count = max(tally.items(), key=lambda one: one[1], default=("", 0))
+            if count >= max(3, of / 2):
+                found[table] = most
+        return found
+
+    def _said_by(self, number: TextNumber, what: str) -> set[Any]:
+        """The quantities, or the step sizes, of which the number has a value that its row and head name."""
+        place, found = self._named_at(number), set[Any]()
+        for known in self.values.written_like(number):
+            quantity, sizes = asked_quantity(known.question)[0], SETTING["h"].findall(known.question)
+            said: Any = {"quantity": quantity, "method": frozenset(known.keys)}.get(
+                what, next(map(Fraction, sizes), None)
+            )
+            of = place.with_step(said) if what == "h" else place.settings
+            at = replace(place, settings=of, quantity=quantity if what == "quantity" else place.quantity)
+            at = replace(at, methods=said) if what == "method" and said else at
+            if known.stated and said and at.means(known.question, known.keys):
+                found.add(said)
+        return found
+
+    @cached_property
+    def _sizes(self) -> set[Fraction]:
+        """The step sizes that the text gives."""
+        return {*map(Fraction, SETTING["h"].findall(self._lower))}
+
+    @cached_property
+    def _unknowns(self) -> dict[str, str]:
+        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
+        asked = " ".join((*self.values.asked, *self.values.stated)).lower()
+        names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
+        speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
+        own = {*speeds.values()}
+        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x), also called v, or omega where the text says so
+            speeds |= dict.fromkeys(("v", *speeds_named(self._lower, min(own)[1:])), min(own))
+        return speeds | {name: name for name in names}
+
+    def _meant_at(self, number: TextNumber) -> list[KnownValue]:
+        """The values that the place of the number names."""
+        if number.start not in self._meant:
+            place = self._place_of(number)
+            self._meant[number.start] = [each for each in self.values.known if place.means(each.question, each.keys)]
+        return self._meant[number.start]

@@ -1,0 +1,210 @@
+"""The facts of methods that a sentence gives: order, stages, evaluations, and limits of stability, also of step sizes.
+
+A limit of h on y' = -50y is the real limit of the method / 50, and on x'' = -4x the imaginary one / 2.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from contextlib import suppress
+from fractions import Fraction
+from functools import cache, lru_cache
+from math import isqrt
+from typing import NamedTuple
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.field_text import rate_of_text
+from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.methods.vector_fields import partial_derivative
+from driftproof.texts.claims.contradictions import (
+    LINEAR,
+    last_methods_named,
+    methods_named,
+    spoken_names,
+)
+from driftproof.texts.claims.stated_problems import stated_problems
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.number_words import counts_of_steps
+
+# Words near an order that is not the method's own.
+_OF_SOMETHING_ELSE = re.compile(
+    r"\b(?:local\w*|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
+    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
+)
+# Right before a number that bounds step sizes, or h times an eigenvalue; and what happens beyond the bound.
+_BOUND = re.compile(
+    r"(?:(?<![\w'])(?P<by>h ?[*·]? ?(?:\|?(?:λ|lambda)\|?)|\|?(?:λ|lambda)\|? ?[*·]? ?h|h)|(?<!fixed )step ?sizes?)"
+    r"(?: ?(?:[<≤>≥]=?|\\leq?)| (?:up to|below|above|beyond|at most|of at most|less than|smaller than)) ?\Z"
+)
+_BEYOND = re.compile(r"\b(?:unstable|blow\w* up|diverge\w*|explode\w*|grow\w*|beyond)\b")
+_OF_STABILITY = re.compile(
+    rf"\b(?:stab\w+|needs?|requires?|allows?|takes?|limits?|{_BEYOND.pattern[4:-3]}|overflow\w*|oscillat\w+)\b"
+)
+# The end of an interval of stability, as in "the real stability interval of RK4 ends at -2.785".
+_ENDS_AT = re.compile(
+    r"\b(?P<axis>real|imaginary) (?:stability )?interval of (?P<of>[^.,;]{1,60}?) (?:ends|stops) at \Z"
+)
+# Stages and evaluations behind a number, and before those that follow it, as in "10 evaluations, midpoint 20".
+_UNIT = re.compile(
+    r"[- \n](?:new |more |function )?(?:(?P<stages>stages?)|evaluations?|calls?)\b"
+    r"(?P<each>(?: of [^.,;]{1,30})? (?:(?:per|each|in each|in every|for each) step|a step))?"
+)
+_EVALUATIONS = re.compile(
+    r"\bevaluations?\b(?: (?:per|each|in each|every) step)?"
+    r"(?:(?!\b(?:steps?|stages?|errors?|order)\b)[^;])*(?<![=≤≥<>] )\Z"
+)
+_EACH = re.compile(r"\bevaluations?\b[^.;]{0,40}\b(?:per|each|every) step\b")
+_VERBS = (
+    "(?: has| have| is| needs| takes| makes| uses| used| costs?| requires)?"
+    "(?: has| used| only| just| exactly| already| a| an)* ?"
+)
+
+
+# Characters of the text about a problem in which its first equation stands.
+_NEAR = 150
+
+
+class Linear(NamedTuple):
+    """A linear equation of a text from `at`: which limit is that of step sizes there, and what it is divided by."""
+
+    at: int
+    limit: str
+    size: str
+
+
+@lru_cache(maxsize=4)
+def linear_equations(text: str) -> list[Linear]:
+    """The equations of a text, where they begin; the limit is "" for those that are no y' = -cy or x'' = -cx.
+
+    The size is "" for a letter that has no value.
+
+    >>> linear_equations("RK4 on y' = -50y and x'' = -4x")[0]
+    Linear(at=0, limit='real_limit', size='50')
+    """
+    found = list[Linear]()
+    for problem in stated_problems(text):
+        at = problem.at + problem.part.index("'") if "'" in problem.part else problem.at
+        named = LINEAR.search(problem.part[:_NEAR].lower()) if not problem.rates else None  # y' = -λy
+        unsized = ("imaginary_limit" if named["second"] else "real_limit", "") if named else ("", "")
+        found.append(Linear(at, *(_limit_of(problem.rates) or unsized)))
+    return found
+
+
+def _limit_of(rates: dict[str, str]) -> tuple[str, str] | None:
+    """The limit and the size of y' = -size y or x'' = -size² x, None for other rates."""
+    slopes = dict[tuple[str, str], Fraction]()
+    with suppress(ValueError, LookupError, ZeroDivisionError):
+        for of, rate in rates.items():
+            for by in rates:
+                slope = value(partial_derivative(rate_of_text(rate, {name: name for name in rates}), by)).exact
+                slopes[of, by] = slope if isinstance(slope, Fraction) else Fraction(0) / 0
+    names = [*rates]
+    if len(names) == 1 and (c := slopes.get((names[0], names[0]), 0)) < 0:
+        return "real_limit", str(-c)
+    if len(names) == 2 and len(slopes) == 4 and not (slopes[names[0], names[0]] or slopes[names[1], names[1]]):
+        square = -slopes[names[0], names[1]] * slopes[names[1], names[0]]
+        root = Fraction(isqrt(square.numerator), isqrt(square.denominator)) if square > 0 else Fraction(0)
+        return ("imaginary_limit", str(root) if root**2 == square else f"sqrt({square})") if square > 0 else None
+    return None
+
+
+def is_bound(before: str) -> bool:
+    """True if the lower-case sentence before a number says that the number bounds step sizes."""
+    return _BOUND.search(before) is not None
+
+
+def is_on_the_safe_side(before: str, x: Fraction, limit: Fraction) -> bool:
+    """True if what is said of step sizes up to x, or beyond it, is true of a method with this limit."""
+    return x > limit if _BEYOND.search(before) else x < limit
+
+
+def fact_said(
+    before: str, after: str, own: frozenset[str], equation: Linear | None, steps: Fraction | None
+) -> str | None:
+    """The fact, as a question, that a number of a sentence in lower case gives, or None.
+
+    That is so in "RK4, of order 4", "Heun has two stages", "R(∞) = 0" and "RK4 needs h ≤ 0.05"; the number is one of
+    the methods `own`, if it is said whose it is, also of "A and B have orders 2 and 4".
+    """
+    if (bound := _BOUND.search(before)) or _ENDS_AT.search(before):
+        return _limit_said(before, after, own, equation, bound)
+    if count := _count_said(before, after, steps):
+        return count
+    before = re.sub(r"\b[\w-]+ stages? (?:per step )?and(?= order)", "", before)
+    if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
+        return None
+    if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
+        return fact_of("limit_at_infinity", last_methods_named(before))
+    flat = re.sub("[-\n]", " ", before)
+    has = r"(?::|,| has| is| have)?(?: a (?:\w+ )?method)?(?: (?:of|the|a))*"
+    found = _behind_name(rf"{has} +order (?:is |= ?)?").search(flat)
+    if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
+        return fact_of("order", own)
+    only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
+    return fact_of("order", _own_name(found[1])) if found and only else None
+
+
+def _limit_said(
+    before: str, after: str, own: frozenset[str], equation: Linear | None, bound: re.Match[str] | None
+) -> str | None:
+    """The limit of stability of the one method that the sentence names for it."""
+    if not bound:
+        found = _ENDS_AT.search(before)
+        return fact_of(f"-{found['axis']}_limit", methods_named(found["of"])) if found else None
+    methods = own or last_methods_named(before)
+    if not (_OF_STABILITY.search(before) and equation and equation.limit):
+        return None
+    fact, of_h = fact_of(equation.limit, methods), (bound["by"] or "h") == "h"
+    if not fact or (of_h and not equation.size):
+        return None
+    return f"{fact} / {equation.size}" if of_h and equation.size != "1" else fact
+
+
+def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
+    """The stages or evaluations of a method behind whose name the number stands; the latter in each step, or in all."""
+    unit = _UNIT.match(after)
+    flat = re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", re.sub("[-\n]", " ", before))
+    name = _behind_name(_VERBS).search(flat)
+    if unit and unit[1]:
+        return fact_of("stages", _own_name(name[1])) if name else None
+    named = {key: METHODS.get(key) for key in (_own_name(name[1]) if name else ())}
+    schemes = {key: scheme for key, scheme in named.items() if getattr(scheme, "explicit", True)}
+    if re.match(r"[^.;,]*\bwith\b", after):  # an estimate of the error
+        return None
+    if not (unit or _EVALUATIONS.search(before)) or not all(isinstance(x, RungeKutta) for x in schemes.values()):
+        return None
+    fact = fact_of("evaluations_per_step", schemes)
+    if (unit and unit["each"]) or _EACH.search(before):
+        return fact
+    count = next(iter(counts_of_steps(before)[::-1]), steps)
+    return f"{count}*{fact}" if count and fact else None
+
+
+def _own_name(name: str) -> set[str]:
+    """The methods that a name means; "a Runge-Kutta method of order two" is of a family."""
+    return set() if re.fullmatch(r"(?:explicit )?runge[- ]kutta(?: method)?", name) else methods_named(name)
+
+
+@cache
+def _behind_name(words: str) -> re.Pattern[str]:
+    """A pattern of one method, its group 1, with these words behind its name, up to the end."""
+    names = spoken_names().pattern
+    return re.compile(rf"({names})(?:'s)?(?: (?:method|rule|scheme))?(?: \((?:{names})\))?{words}\Z")
+
+
+def fact_of(fact: str, methods: Iterable[str]) -> str | None:
+    """The question for the fact of a method, or of several that have the same; None for another or no value."""
+    keys = sorted(methods)
+    if len(keys) == 1 and fact not in ("stages", "evaluations_per_step"):
+        return f"{fact} {keys[0]}"
+    found = {}
+    for key in keys:  # the stages of a splitting are counted in several ways
+        if fact == "stages" and isinstance(METHODS.get(key), Splitting):
+            return None
+        with suppress(ValueError):
+            found[key] = value(f"{fact} {key}").exact
+        with suppress(ValueError):  # a last stage that is the first one of the next step counts or not
+            if fact == "stages" and value(f"evaluations_per_step {key}").exact != found[key]:
+                return None
+    return f"{fact} {keys[0]}" if len({*found.values()}) == 1 and len(found) == len(keys) else None

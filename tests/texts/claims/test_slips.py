@@ -1,0 +1,415 @@
+"""What numbers in tables and in prose are claimed to be, and which are slips for what their place names."""
+
+import pytest
+
+from driftproof.texts.claims.suggestions import Suggestions
+from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.numbers import numbers_in
+from tests.texts.claims.sample import claims_and_slips, strong_and_slips
+
+PRINTED = """\
+x'' = -sin(x), x(0) = 1.2, x'(0) = 0, with velocity Verlet:
+
+|  t  | x | v |
+| 1.0 | 0.750793 | -0.858106 |
+| 2.0 | -0.307404 | -1.085820 |
+| 3.0 | {} | -0.412849 |
+| 4.0 | -1.059828 | 0.503024 |
+
+With h = 0.1 it has -0.194978 at t = 5, with h = 0.05 it has -0.196370.
+"""
+
+
+def test_a_table_of_one_run_has_one_step_size_and_a_value_of_another_one_is_a_slip():
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106636"))
+    assert slips == {}
+    assert claimed["-1.106636"].endswith("h=0.1, t=3 : x")
+    claimed, slips = claims_and_slips(PRINTED.format("-1.106295"))
+    assert slips == {"-1.106295": ["-1.106636"]}
+    assert claimed["-1.106295"] == ""
+
+
+BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at t = 4, with h = 0.1:\n\n"
+
+
+@pytest.mark.slow(keep=3)
+@pytest.mark.parametrize(
+    "said",
+    [
+        "* {} for velocity Verlet, {} for symplectic Euler.",
+        "* {} (velocity Verlet) and {} (symplectic Euler).",
+        "* {} [velocity Verlet] and {} [symplectic Euler].",
+        "* Velocity Verlet / symplectic Euler: {} / {}",
+        "* The errors of velocity Verlet and symplectic Euler are {} and {}.",
+        "* Velocity Verlet is off by {}, symplectic Euler by {}.",
+    ],
+)
+def test_a_number_whose_method_is_named_is_of_no_other_and_an_exchanged_pair_is_named(said):
+    right, wrong = ("2.115e-03", "2.265e-02"), ("2.265e-02", "2.115e-03")
+    assert strong_and_slips(BEAD + said.format(*right))[-2:] == [(x, True, []) for x in right]
+    assert strong_and_slips(BEAD + said.format(*wrong))[-2:] == [
+        ("2.265e-02", False, ["2.115e-3"]),
+        ("2.115e-03", False, ["2.265e-2"]),
+    ]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "Implicit Euler and trapezoidal rule have orders {} and {}.",
+        "Implicit Euler divides the error by two, the trapezoidal rule by four; the methods have orders {} and {}.",
+    ],
+)
+def test_orders_of_a_list_are_those_of_its_methods(said):
+    assert strong_and_slips(said.format(1, 2)) == [("1", True, []), ("2", True, [])]
+    assert strong_and_slips(said.format(2, 1)) == [("2", False, ["1"]), ("1", False, ["2"])]
+
+
+COLUMNS = """For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule and Heun's third-order method give
+
+| t | y (3/8) | y (HEAD) |
+|---|---|---|
+| 0.5 | 0.6065309 | 0.6065170 |
+| 1 | 0.3678798 | 0.3678628 |
+| 2 | 0.1353355 | LAST |
+"""
+
+
+@pytest.mark.parametrize(
+    ("head", "last", "slips"),
+    [
+        ("own", "0.1353231", {}),
+        ("own", "0.1353232", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353232": ["0.1353231"]}),
+        ("RK4", "0.1353231", {"0.6065170": ["0.6065309"], "0.3678628": ["0.3678798"], "0.1353231": ["0.1353355"]}),
+        ("Heun 3", "0.1353232", {"0.1353232": ["0.1353231"]}),
+    ],
+)
+def test_a_column_that_no_method_heads_is_the_one_value_that_all_its_numbers_fit(head, last, slips):
+    assert claims_and_slips(COLUMNS.replace("HEAD", head).replace("LAST", last))[1] == slips
+
+
+@pytest.mark.parametrize(("column", "solution"), [("| 3/8 rule ", True), ("", False)])
+def test_the_unknown_as_a_function_of_time_is_the_solution_beside_columns_of_methods(column, solution):
+    text = f"For y' = -y, y(0) = 1 and h = 0.5, Heun:\n\n| t {column}| y(t) |\n|---|---|\n"
+    rows = [f"| 1 | {'0.3680556 | ' * bool(column)}0.3678794 |", f"| 2 | {'0.1354649 | ' * bool(column)}0.1353353 |"]
+    claimed = claims_and_slips(text + "\n".join(rows))[0]
+    assert claimed["0.1353353"].startswith("exact") is solution
+
+
+ORDERS = """For u' = -2u + sin(t), u(0) = 1, with starting values by RK4, errors at t = 2:
+
+| h | AB2 | order | AB3 | order |
+|---|---|---|---|---|
+| 0.2 | 8.566e-03 | {} | 2.946e-03 | {} |
+| 0.1 | 2.002e-03 | {} | 3.585e-04 | {} |
+| 0.05 | 4.819e-04 | {} | 4.303e-05 | {} |
+"""
+
+
+@pytest.mark.parametrize(
+    ("orders", "slips"),
+    [
+        (("--", "--", "2.097", "3.039", "2.055", "3.058"), {}),
+        (("2.097", "3.039", "2.055", "3.058", "--", "--"), {}),
+        (("--", "--", "2.098", "3.039", "2.055", "3.085"), {"3.085": ["3.058"]}),
+        (("--", "--", "2.097", "3.058", "2.055", "3.039"), {"3.058": ["3.039"], "3.039": ["3.058"]}),
+    ],
+)
+def test_a_column_order_beside_step_sizes_has_observed_orders_of_two_rows_each(orders, slips):
+    """A last digit that rounded errors may give is no slip."""
+    claimed, found = claims_and_slips(ORDERS.format(*orders))
+    assert found == slips
+    assert all(claimed[x].startswith("log2(") for x in orders if x not in {"--", "2.098", *slips})
+
+
+def test_observed_orders_in_rows_of_methods_are_of_the_step_sizes_that_the_text_may_mean():
+    rows = "| method | h = 0.1 | h = 0.05 | observed order |\n|---|---|---|---|\n"
+    rows += "| trapezoidal rule | 7.01e-03 | 1.67e-03 | 2.02 |\n| implicit midpoint | 2.68e-03 | 6.61e-04 | 2.00 |\n"
+    text = f"For y' = -y^3, y(0) = 2, errors at t = 1:\n\n{rows}\nThe order compares h = 0.05 with h = 0.025."
+    claimed, slips = claims_and_slips(text)
+    assert claimed["2.02"].startswith("log2(ratio(run trapezoid")
+    assert slips == {}
+
+
+def test_a_column_of_energy_changes_is_read_by_its_sign_for_them():
+    text = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0, energy E = v^2/2 - x^2/2 + x^4/4, v = x'. With h = 0.2:"
+    text += "\n\n| method | t | E | ΔE |\n|---|---|---|---|\n| explicit Euler | 4 | 0.41007 | {} |"
+    assert claims_and_slips(text.format("0.51945"))[0]["0.51945"].endswith(" : energy_change")
+    assert {*claims_and_slips(text.format("0.51954"))[1]["0.51954"]} == {"0.51945"}
+
+
+def test_slopes_in_a_list_are_k1_k2_and_so_on_of_the_step():
+    text = "For dP/dt = 0.8 P (1 - P/5) - 0.3, P(0) = 1 and h = 0.5, the slopes of the first step of RK4 are "
+    claimed, slips = claims_and_slips(text + "0.3400, 0.3796, 0.3841 and 0.4236.")
+    assert [claimed[x][-4:] for x in ("0.3400", "0.3796", "0.3841")] == ["k1.P", "k2.P", "k3.P"]
+    assert slips == {"0.4236": ["0.4263"]}
+    assert claims_and_slips(text + "0.3400, 0.3841, 0.3796 and 0.4263.")[1].keys() == {"0.3841", "0.3796"}
+
+
+@pytest.mark.parametrize(("named", "claimed"), [("Kutta's third-order method", True), ("Heun's method", False)])
+def test_kutta_in_a_row_is_the_third_order_method_where_the_text_names_it(named, claimed):
+    rows = "| method | h = 0.1 |\n|---|---|\n| Kutta | 1.661e-05 |"
+    text = f"For y' = -y, y(0) = 1, {named} and RK4 have errors at t = 1:\n\n{rows}"
+    assert bool(claims_and_slips(text)[0]["1.661e-05"]) is claimed
+
+
+@pytest.mark.parametrize(
+    ("ab2", "ab3", "slips"), [("5/12", "3/8", []), ("3/8", "5/12", [["5/12"], ["3/8"]]), ("-5/12", "-3/8", [])]
+)
+def test_facts_exchanged_between_two_rows_are_slips_and_another_sign_is_a_convention(ab2, ab3, slips):
+    text = f"| method | error constant |\n|---|---|\n| AB2 | {ab2} |\n| AB3 | {ab3} |\n| AB4 | 251/720 |"
+    assert [found for _, _, found in strong_and_slips(text) if found] == slips
+
+
+def test_a_head_with_3_8_in_brackets_names_that_method():
+    text = "For y' = -y, y(0) = 1 and h = 0.1, the 3/8 rule gives\n\n"
+    text += "| t | y (Heun 3) | y (3/8) |\n|---|---|---|\n| 1 | 0.3678628 | {} |"
+    assert strong_and_slips(text.format("0.3678798"))[-1] == ("0.3678798", True, [])
+    assert strong_and_slips(text.format("0.3678789"))[-1] == ("0.3678789", False, ["0.3678798"])
+
+
+SATURATES = "P' = 0.8 P (1 - P/12), P(0) = 1.5, with RK4 and h = 0.5.\n\n"
+OF_RK4, OF_SOLUTION = "10.636069", "10.636323"
+
+
+@pytest.mark.parametrize(
+    ("said", "right"),
+    [
+        ("The solution is P(t) = 12/(1 + 7 exp(-0.8t)). At t = 5 it is {}.", OF_SOLUTION),
+        ("At t = 5 the exact value is {}.", OF_SOLUTION),
+        ("RK4 is off at t = 5, for the truth is {}.", OF_SOLUTION),
+        ("At t = 5, RK4 gives {}.", OF_RK4),
+        ("The solution grows. At t = 5, RK4 is at {}.", OF_RK4),
+        ("RK4 is of order 4. At t = 5 it is at {}.", OF_RK4),
+    ],
+)
+def test_what_is_said_of_the_solution_is_no_value_of_a_method_nor_the_other_way_round(said, right):
+    for number in (OF_RK4, OF_SOLUTION):
+        text = SATURATES + said.format(number)
+        suggestions, numbers = Suggestions(text), [x for x in numbers_in(text) if x.text == number]
+        alike = suggestions.look_alikes(numbers[0])
+        assert bool(alike and alike[0].strong) == (number == right), number
+
+
+TWO_VALUES = "y' = -2ty, y(0) = 1, RK4, h = 0.1. The solution has {} and y(1) = 0.367879."
+RATIOS = SATURATES + "At t = 5 RK4 has 10.636069. The last ratios of the errors are 1.91, 4.01 and 16.04."
+
+
+@pytest.mark.parametrize(("said", "value"), [("y(2) = 0.01831564", None), ("y(2) = 0.01835164", "t=2 : y")])
+def test_the_time_of_the_next_value_is_not_that_of_this_one(said, value):
+    suggestions = Suggestions(text := TWO_VALUES.format(said))
+    slips = [suggestions.slips(x) for x in numbers_in(text) if x.text.startswith("0.0183")]
+    assert [question[-7:] for one in slips for question in one] == [value] * bool(value)
+
+
+def test_ratios_of_errors_are_no_slips_of_a_state():
+    suggestions, numbers = Suggestions(RATIOS), numbers_in(RATIOS)
+    assert [x.text for x in numbers if suggestions.slips(x)] == []
+    assert [x.text for x in numbers if suggestions.look_alikes(x)[:1] and suggestions.look_alikes(x)[0].strong] == [
+        OF_RK4
+    ]
+
+
+MULTIPLIERS = """| {z} | {a} | {b} |
+|---|---|---|
+| -2.5 | -1.5 | {} |
+| -3 | -2 | 2.5 |"""
+
+
+@pytest.mark.parametrize(
+    ("above", "heads"),
+    [
+        ("Multipliers:", ("z", "R(z) forward Euler", "R(z) Heun")),
+        ("The stability functions:", ("hλ", "forward Euler", "Heun")),
+    ],
+)
+def test_in_rows_of_arguments_a_column_of_a_method_has_its_stability_function(above, heads):
+    for number, strong in (("1.625", True), ("1.652", False)):
+        text = f"{above}\n\n" + MULTIPLIERS.format(number, **dict(zip("zab", heads, strict=True)))
+        suggestions, of = Suggestions(text), {x.text: x for x in numbers_in(text) if x.label is None}
+        alike = {x: suggestions.look_alikes(of[x])[:1] for x in ("-1.5", "-2", "2.5", number)}
+        live = [one.question for found in alike.values() for one in found if one.strong]
+        assert live == [
+            "stability_function forward_euler z=-2.5",
+            "stability_function forward_euler z=-3",
+            "stability_function heun2 z=-3",
+            *["stability_function heun2 z=-2.5"] * strong,
+        ]
+        assert suggestions.slips(of[number]) == ({} if strong else {"stability_function heun2 z=-2.5": "1.625"})
+
+
+SPRING = "x' = v, v' = -4x, x(0) = 1, v(0) = 0, E = v^2/2 + 2x^2. Throughout, h = 0.1 and energy counts.\n\n"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "Show that the determinant of the step of symplectic Euler is 1.",
+        "The first step leads forward Euler to x_1 = 1",
+    ],
+)
+def test_a_single_digit_is_no_value_whose_names_stand_in_another_sentence(said):
+    suggestions = Suggestions(text := SPRING + said)
+    alike = suggestions.look_alikes(numbers_in(text)[-1])
+    assert not [one.question for one in alike if one.strong and "y'=" not in one.question and "v'=" not in one.question]
+
+
+@pytest.mark.parametrize(("said", "slips"), [("off by 0.0179 %", 1), ("loses 0.0179 % of the energy", 0)])
+def test_a_part_of_the_energy_is_no_relative_error(said, slips):
+    text = (
+        SPRING.replace("energy counts", "RK4 to t = 10")
+        + f"At t = 10 RK4 with h = 0.1 is {said}, and 0.0197 % relative."
+    )
+    suggestions = Suggestions(text)
+    found = [suggestions.slips(x) for x in numbers_in(text) if x.text == "0.0179"]
+    assert [len(one) for one in found] == [slips]
+
+
+COOLING = "u'=-3u + t, u(0)=2"
+STALE = """\
+Exercise A
+Solve u' = -3u + t, u(0) = 2 with h = {} by Euler's method and Heun's method.
+| t | Euler | Heun |
+| 0.25 | {} | {} |
+| 0.5 | {} | {} |
+| 1.0 | {} | {} |
+Exercise B
+Repeat. The errors at t = 1:
+| method | h = 0.125 | h = 0.0625 |
+| Euler | {} | {} |
+| Heun | {} | {} |
+"""
+
+
+@pytest.mark.parametrize(("said", "claimed"), [("0.125", 6), ("0.25", 0)])
+def test_a_table_is_of_the_step_size_of_its_own_section(said, claimed):
+    runs = [
+        f"run {by} {COOLING}, h=0.125, t={t} : u" for t in ("0.25", "0.5", "1") for by in ("forward_euler", "heun2")
+    ]
+    errors = [
+        f"run {by} {COOLING}, h={h}, t=1 : error" for by in ("forward_euler", "heun2") for h in ("0.125", "0.0625")
+    ]
+    printed = [value(one).places(5) for one in (*runs, *errors)]
+    found, slips = claims_and_slips(STALE.format(said, *printed))
+    assert [found[x] for x in printed[:6]] == (runs if claimed else [""] * 6)
+    assert len(slips) == 6 - claimed
+    assert [found[x] for x in printed[6:]] == errors
+
+
+SWING = "Velocity Verlet and RK4 swing. Here is x'' = -2sin(x), x(0) = 0.9, x'(0) = 0, and E = 1/2 x'^2 - 2cos(x)."
+
+
+@pytest.mark.parametrize(
+    ("said", "slips"),
+    [
+        (
+            "In def verlet(x, v, h) a step of h = 0.2 follows.\n| method | energy |\n| RK4 | -1.242607 |",
+            [],
+        ),  # -1.242602
+        ("RK4 has E = -1.243223 at t = 0.2, h = 0.2. At the start it is E = -2cos 0.9 = -1.243220.", ["-1.243224"]),
+    ],
+)
+def test_what_is_said_of_the_start_or_by_no_method_of_the_text_is_no_slip_of_a_run(said, slips):
+    assert [*claims_and_slips(f"{SWING}\n{said}")[1].values()] == [slips][: len(slips)]
+
+
+def test_a_factor_beside_one_is_no_slip_of_a_change_of_few_digits():
+    for number, slips in (("1.04", {}), ("0.0451", {"10*0.00431": "0.0431"})):
+        text = f"Up to t = 10 it grows by 1 + h^2 = {number}, says Euler."
+        assert Suggestions(text, ["{10}*0.00431"]).slips(numbers_in(text)[-1]) == slips
+
+
+@pytest.mark.parametrize(
+    ("said", "question"),
+    [
+        ("t = 6, 30 steps of h = 0.2. With h = 0.4 RK4 makes {120}", ""),
+        ("t = 6, 30 steps of h = 0.2. With h = 0.2 RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+        ("t = 6 and h = 0.2: RK4 is best, but makes {30}", ""),
+        ("t = 6 and h = 0.2: beside Euler's 30, RK4 makes {120}", "run rk4 h=1/5 t=6 : evaluations"),
+    ],
+)
+def test_a_count_of_evaluations_is_of_the_method_and_the_steps_of_its_own_step_size(said, question):
+    text = f"RK4 is run up to {said.replace('{', '').replace('}', '')} evaluations of f, against 30 for Euler."
+    number = next(x for x in numbers_in(text) if x.text == said[said.index("{") + 1 : -1] and x.start > 60)
+    assert [one.question for one in Suggestions(text).look_alikes(number)[:1] if one.strong] == [question][
+        : len(question)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("said", "claimed"),
+    [
+        ("For small q, q'' = -q. RK4 is then stable up to {}", "imaginary_limit rk4"),
+        ("For large s, s' = -3s. RK4 is then stable up to {}", "real_limit rk4"),
+        ("For small q, q'' = -q. On the real axis RK4 is stable up to {}", "real_limit rk4"),
+        ("RK4 is stable up to 2√2 = {}", "imaginary_limit rk4"),
+    ],
+)
+def test_a_limit_is_of_the_axis_of_the_equation_before_it_and_what_a_calculation_gives(said, claimed):
+    for limit, number in (("real_limit rk4", "2.785"), ("imaginary_limit rk4", "2.828")):
+        assert claims_and_slips(said.format(number))[0][number] == (claimed if limit == claimed else "")
+
+
+ROWS = """For s' = -2s + 1, s(0) = 0 and t = 1:
+| method | h = 0.2 | h = 0.1 | ratio |
+| Euler error | 2.879e-02 | 1.398e-02 | 2.06 |
+| Heun error | 5.029e-03 | 1.056e-03 | 4.76 |
+| RK4 error | 4.037e-05 | 2.133e-06 | 18.93 |
+"""
+ROWS_OF_ORDERS = (
+    ROWS.replace("ratio", "observed order").replace("2.06", "1.04").replace("4.76", "2.25").replace("18.93", "4.24")
+)
+COLUMNS_OF_RUNS = """For s' = -2s + 1, s(0) = 0, here are the errors at t = 1:
+| h | Euler s | Euler error | Heun error | RK4 error |
+| 0.2 | 0.461120 | 0.0288 | 0.00503 | 4.04e-05 |
+| 0.1 | 0.446313 | 0.0140 | 0.00106 | 2.13e-06 |
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "changed"),
+    [
+        (ROWS, {}),
+        (ROWS, {"5.029e-03": "4.037e-05", "4.037e-05": "5.029e-03"}),  # exchanged
+        (ROWS, {"2.06": "3.06"}),
+        (ROWS, {"4.76": "4.77"}),  # of rounded errors
+        (COLUMNS_OF_RUNS, {}),
+        (COLUMNS_OF_RUNS, {"0.461120": "0.435200"}),  # a step too early
+        (COLUMNS_OF_RUNS, {"0.00106": "0.00137"}),
+        (COLUMNS_OF_RUNS, {"0.0140": "0.0288"}),  # three digits with the last zero
+        (ROWS_OF_ORDERS, {"1.04": "1.36"}),
+    ],
+)
+def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):
+    written = text
+    for right, wrong in changed.items():
+        written = written.replace(f"| {right} |", f"| <{wrong}> |")
+    claimed, slips = claims_and_slips(written.replace("<", "").replace(">", ""))
+    known = {} if changed == {"4.76": "4.77"} else changed
+    assert {x: float(y[0]) for x, y in slips.items()} == {wrong: float(right) for right, wrong in known.items()}
+    assert not any(claimed[wrong] for wrong in changed.values())
+
+
+FALLS = """\
+For s' = -2s + 1, s(0) = 0 and t = 1 we take h = 0.2, h = 0.1 and h = 0.05. With each halving, the error of Euler's
+method falls by a factor of {} and then {}; that of Heun's method by {} and {}.
+These ratios are observed orders of {} and {}. It is {} times as dear.
+"""
+RIGHT = ("2.059", "2.032", "4.761", "4.337", "1.042", "2.251", "2.06")
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        {"2.059": "2.032", "2.032": "2.059"},  # exchanged
+        {"4.761": "2.032"},  # Euler's
+        {"1.042": "2.251", "2.251": "1.042"},
+    ],
+)
+def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_large_steps_to_small_ones(changed):
+    suggestions = Suggestions(FALLS.format(*(changed.get(x, x) for x in RIGHT)))
+    numbers = [x for x in numbers_in(suggestions.text) if "." in x.text][-7:]
+    claimed = [any(one.strong for one in suggestions.look_alikes(x)[:1]) for x in numbers]
+    assert claimed == [*(x not in changed for x in RIGHT[:-1]), False]
+    assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())

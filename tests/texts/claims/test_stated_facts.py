@@ -1,0 +1,77 @@
+"""Facts of methods in sentences: orders, stages, evaluations, and limits of stability of the equation before them."""
+
+import pytest
+
+from driftproof.texts.claims.stated_facts import fact_of, is_bound, is_on_the_safe_side, linear_equations
+from driftproof.texts.claims.suggestions import Suggestions
+from driftproof.texts.readers.numbers import numbers_in
+
+
+@pytest.mark.parametrize(
+    ("text", "fact", "slip"),  # of the number in brackets
+    [
+        ("On y' = -50y Euler needs h ≤ [0.04].", "real_limit forward_euler / 50", None),
+        ("On y' = -50y Euler needs h ≤ 0.04, RK4 h ≤ [0.0557].", "real_limit rk4 / 50", None),
+        ("On y' = -50y Euler needs h ≤ [0.05].", "real_limit forward_euler / 50", "0.04"),
+        ("On y' = -50y RK4 needs h ≤ [0.05].", "real_limit rk4 / 50", None),  # and so it is stable
+        ("On y' = -50y it takes h ≤ [0.0557] (RK4).", "real_limit rk4 / 50", None),
+        ("y' = -1000 (y - cos t), y(0) = 0: RK4 is stable if h ≤ [0.002758].", "real_limit rk4 / 1000", "0.002785"),
+        ("y' = -1000 (y - cos t), y(0) = 0: RK4 is stable if h ≤ [0.0027].", "real_limit rk4 / 1000", None),
+        ("On x'' = -4x Verlet's velocity Verlet is stable for h ≤ [1].", "imaginary_limit velocity_verlet / 2", None),
+        ("On x'' = -x, RK4 is stable for h ≤ [2.785].", "imaginary_limit rk4", "2.828"),
+        ("On y' = -2y RK4 blows up for h > [1.4142].", "real_limit rk4 / 2", "1.3926"),
+        ("On y' = -2y RK4 blows up for h > [1.5].", "real_limit rk4 / 2", None),  # that it does
+        ("On y' = -2y RK4 blows up for h > [1.3].", "real_limit rk4 / 2", "1.4"),
+        ("On y' = -λ y, AB2 is stable for hλ ≤ [1].", "real_limit adams_bashforth2", None),
+        ("y' = -4y, y(0) = 1. Put z = 1.5. Euler is stable for h < [2.5].", "real_limit forward_euler / 4", "0.5"),
+        ("y' = y^2. Euler's method is stable for h < [2.5].", None, None),
+        ("On y' = -50y it needs h ≤ [0.05].", None, None),
+        ("The real stability interval of RK4 ends at [-2.758].", "-real_limit rk4", "-2.785"),
+        ("RK4 has [5] stages.", "stages rk4", "4"),
+        ("RK4 has [five] stages.", "stages rk4", "four"),
+        ("The classical Runge-Kutta method (RK4) has four stages and order [4].", "order rk4", None),
+        ("In short, Heun's method is old. It has [two] stages.", "stages heun2", None),
+        ("Heun's method has order [3].", "order heun2", "2"),
+        ("Störmer-Verlet has order [four].", "order position_verlet", "two"),
+        ("Euler is a method of order [one], RK4 of order four.", "order forward_euler", None),
+        ("Euler is a method of order one, RK4 of order [five].", "order rk4", "four"),
+        ("Euler needs one evaluation per step, midpoint two, RK4 [four].", "evaluations_per_step rk4", None),
+        ("After 10 steps Euler used 10 evaluations, midpoint 20, and RK4 [44].", "10*evaluations_per_step rk4", "40"),
+        ("The ten steps cost Euler ten evaluations, Heun's method [twenty].", "10*evaluations_per_step heun2", None),
+        ("Euler with h = 1/16 needs [sixteen] evaluations up to t = 1.", "16*evaluations_per_step forward_euler", None),
+        ("RK4 with h = 1/4 has [fifteen] evaluations up to t = 1.", "4*evaluations_per_step rk4", "sixteen"),
+        ("Velocity Verlet needs [one] evaluation per step.", None, None),  # or two
+        ("RK4 is one of [four] methods.", None, None),
+        ("A Runge-Kutta method of order [two] is cheap.", None, None),
+        ("The Dormand-Prince method has [six] stages.", None, None),  # or seven
+        ("Heun with [three] stages has order three.", None, None),
+        ("RK4 needs [5] evaluations per step with an error estimate.", None, None),
+        ("RK4 on y' = -50y needs h ≤ [0.0125] for three digits.", "real_limit rk4 / 50", None),
+    ],
+)  # fmt: skip
+def test_a_sentence_gives_a_fact_that_its_number_is_or_is_a_slip_for(text, fact, slip):
+    at, plain = text.index("["), text.replace("[", "").replace("]", "")
+    suggestions = Suggestions(plain)
+    (number,) = [x for x in (*numbers_in(plain), *suggestions.words) if x.start == at] or [None]
+    found = suggestions._fact_at(number) if number else None
+    assert found == fact
+    if number:
+        assert [*suggestions.slips(number).values()] == [slip] * (slip is not None)
+        is_right = suggestions.look_alikes(number)[:1] and suggestions.look_alikes(number)[0].strong
+        assert not (is_right and (slip or not fact))
+
+
+def test_what_bounds_step_sizes_is_a_limit_of_the_equation_before_it():
+    sizes = [
+        (one.limit, one.size) for one in linear_equations("y' = -2.5y. It is not u' = u^2. Also x' = v, v' = -4x.")
+    ]
+    assert sizes == [("real_limit", "5/2"), ("", ""), ("imaginary_limit", "2")]
+    assert linear_equations("x'' = -3x")[0].size == "sqrt(3)"
+    assert [is_bound(one) for one in ("stable for h ≤ ", "step sizes up to ", "with h = ")] == [True, True, False]
+    assert [is_on_the_safe_side(one, 1, 2) for one in ("stable for h <", "unstable for h >")] == [True, False]
+
+
+def test_several_methods_have_one_fact_if_it_is_the_same_of_all():
+    assert fact_of("order", ["velocity_verlet", "position_verlet"]) == "order position_verlet"
+    assert fact_of("order", ["rk4", "heun2"]) is None
+    assert fact_of("stages", ["velocity_verlet"]) is None
