@@ -168,7 +168,7 @@ class Refutation:
         if failing and seen.rounding:
             habit = seen.rounding.but_for
             if habit and (coefficients.passed is not False or habit not in HABITS):
-                yield f"is not {key} to roundoff; it is, {habit}"
+                yield f"is not {key} {seen.how_near}; it is, {habit}"
             if coefficients.passed and failing.answer is not None:
                 if CALL_BEFORE in self._faults:
                     yield f"is not {key}: {agrees} {CALL_BEFORE}"

@@ -24,8 +24,9 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.report import Report, criteria_parts, sections
+from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
+from driftproof.blackbox.stepper.wrappers import substeps_wrapper
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.given_methods import method_of, subject_of
@@ -75,7 +76,7 @@ def verify(
     found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
     if callable(system):  # which no other interpreter can import
         step = imported(step)
-    with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
+    with IsolatedRunner(Target(step, calls, array, system is not None), time_limit, isolate) as runner:
         if isinstance(found, FactsOnly | Boris):
             if system is not None:
                 raise ValueError(f"{found.key} is no method of one step, which alone is held to a system")
@@ -123,6 +124,8 @@ def assert_verified(
         )
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
+    if report.passed is None and not report.verdict.startswith(UNDECIDED):  # where a test fails for it
+        report = replace(report, verdict=f"{UNDECIDED}: {report.verdict}")
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
@@ -156,6 +159,8 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         refuted = _refutation(runner, seen)
         data["instead"] = refuted.instead.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
+        if " steps of h/" in verdict:
+            verdict += runner.outcome_of(substeps_wrapper).result or ""
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
     parts.append(("Faults", others))
     told = (reply.result for reply in replies if isinstance(reply.result, Remarked))

@@ -56,7 +56,7 @@ radau_iia3 | Radau, Radau5
 sdirk2 | Alexander 2
 alexander3 | Alexander 3
 tr_bdf2 | TRBDF2
-forest_ruth | Forest-Ruth, FR4
+forest_ruth | Forest-Ruth, FR4, Yoshida 4 position first
 yoshida4 | triple jump
 ruth3 | Ruth
 nystrom4 | Runge-Kutta-Nyström, RKN4

@@ -1,9 +1,13 @@
 """Steps with a system built in are held to the system that they should have."""
 
+import re
+from functools import partial
+
 import numpy as np
 import pytest
 
 from driftproof import Allowance, assert_verified, stepper_of, verify
+from tests.looping import exactly
 
 EXACT = Allowance(solver_tolerance=1e-12)
 
@@ -30,6 +34,8 @@ def test_a_circuit_with_a_wrong_constant_is_another_circuit_only_if_it_is_said_w
     with pytest.raises(AssertionError, match="is not trapezoid: its system is not the one given: from "):
         assert_verified(with_a_whole_step, "trapezoid", system=circuit, allowance=EXACT)
     assert verify(with_a_whole_step, "trapezoid", allowance=EXACT, isolate=False).passed is None
+    with pytest.raises(AssertionError, match="companion\n  undecided: is trapezoid on its own system"):
+        assert_verified(companion, "trapezoid", allowance=EXACT, isolate=False)
     found = verify(companion, "backward_euler", system=circuit, allowance=EXACT, isolate=False)
     assert "is not backward_euler: a step of " in found.verdict
 
@@ -72,8 +78,62 @@ def test_a_body_with_a_drag_is_judged_by_the_usual_reading_and_by_no_other(cls, 
     assert said in found.verdict
 
 
+class Thrown:
+    """Heun's method with a drag whose speed is that of the step's start if `stale`."""
+
+    stale = False
+
+    def __init__(self):
+        self.state = np.array([0.0, 0.0, 3.0, 4.0])
+
+    def f(self, s):
+        speed = self.speed if self.stale else np.hypot(*s[2:])
+        return np.array([*s[2:], *-speed * s[2:]])
+
+    def step(self, dt):
+        self.speed = np.hypot(*self.state[2:])
+        k1 = self.f(self.state)
+        self.state = self.state + dt / 2 * (k1 + self.f(self.state + dt * k1))
+
+
+class Stale(Thrown):
+    stale = True
+
+
+class Driven:
+    """The midpoint rule with a clock that is set forward after a step, or before its last stage."""
+
+    stale = False
+
+    def __init__(self):
+        self.t = self.v = 0.0
+
+    def advance(self, dt):
+        k1 = np.sin(2 * self.t) - self.v
+        self.v = self.v + dt * (np.sin(2 * self.t + dt * (not self.stale)) - self.v - dt / 2 * k1)
+        self.t += dt
+
+
+class Early(Driven):
+    stale = True
+
+
+@pytest.mark.parametrize(("cls", "method", "system", "line"), [
+    (Thrown, "heun2", lambda y: [*y[2:], *-np.hypot(*y[2:]) * y[2:]], 'stepper_of({}, state="state", advance="step")'),
+    (Driven, "midpoint2", lambda t, y: [np.sin(2 * t) - y[0]], "def wrapped(t, y, h): import numpy; made = {}(); "),
+])  # fmt: skip
+def test_a_wrapper_that_is_shown_beside_a_system_keeps_that_of_the_code(cls, method, system, line):
+    for each in exactly(2, (cls, *cls.__subclasses__())):
+        with pytest.raises(ValueError, match=re.escape(line.format(each.__name__))) as shown:
+            verify(each, method, system=system, isolate=False)
+        exec(str(shown.value).partition("write: ")[2], known := {**globals()})
+        assert verify(known["wrapped"], method, system=system, isolate=False).passed is not each.stale
+        assert verify(known["wrapped"], method, isolate=False).passed is (False if each.stale else None)
+
+
 @pytest.mark.parametrize(("system", "said"), [
     (lambda t, y: y[:1], "has 1 slopes where a step has 2 numbers"), (lambda t, y: y[4], "given raises IndexError"),
+    (lambda y, k: -k * y, "the system given takes k, which is no parameter of the step"),
     (lambda t, y: y * np.nan, "the system given is not finite there"),
 ])  # fmt: skip
 def test_a_system_that_is_none_of_the_steps_is_wrong_input(system, said):
@@ -81,9 +141,69 @@ def test_a_system_that_is_none_of_the_steps_is_wrong_input(system, said):
         verify(companion, "trapezoid", system=system, allowance=EXACT, isolate=False)
 
 
+def discharge(v, dt, R, C, wrong=0):
+    """Heun's step of a capacitor, or one that divides by R alone."""
+    rate = lambda v: -v / R * C if wrong else -v / (R * C)
+    return v + dt / 2 * (rate(v) + rate(v + dt * rate(v)))
+
+
+def falling_to(r, v, mu, dt, wrong=0):
+    """The midpoint rule of a body that is attracted."""
+    pull = lambda r: -(mu ** (1 + wrong)) * r / np.linalg.norm(r) ** 3
+    return r + dt * (v + dt / 2 * pull(r)), v + dt * pull(r + dt / 2 * v)
+
+
+def pulls(x, masses):
+    """The accelerations of bodies that attract each other."""
+    d = x[None] - x[:, None]
+    return np.einsum("j,ijk->ik", masses, d / ((d * d).sum(axis=2) + 0.25)[:, :, None] ** 1.5)
+
+
+def sky(bodies, dt):
+    """Position-first symplectic Euler of a list of bodies."""
+    for each in bodies:
+        each.pos = each.pos + dt * each.vel
+    found = pulls(np.array([each.pos for each in bodies]), np.array([each.mass for each in bodies]))
+    for each, pull in zip(bodies, found, strict=True):
+        each.vel = each.vel + dt * pull
+
+
+def attracted(t, y, mass):
+    return np.concatenate([y[9:], pulls(y[:9].reshape(3, 3), mass).ravel()])
+
+
+def spinning(psi, dt):
+    k1 = -1j * np.array([[1, 2], [2, -1]]) @ psi
+    return psi + dt * (-1j * np.array([[1, 2], [2, -1]]) @ (psi + dt / 2 * k1))
+
+
+def kepler(t, y, mu=1.0):
+    return [*y[3:], *(-mu * y[:3] / np.linalg.norm(y[:3]) ** 3)]
+
+
+@pytest.mark.parametrize(("step", "method", "system", "said"), [
+    (discharge, "heun2", lambda t, y, R, C: -y / (R * C), "is heun2 on the system given with R = 1.25; C = 0.875, to"),
+    (partial(discharge, wrong=1), "heun2", lambda y, R, C: -y / (R * C), "is not the one given with R = 1.25; C = 0."),
+    (discharge, "heun2", lambda y, t: [-y[0]], "given in 1 number, to the last digit in 18 steps; remark: set to 1, w"),
+    (partial(discharge, R=2.0), "heun2", lambda t, y, C, R: -y / (R * C), "with R = 2; C = 1.25, to"),
+    (falling_to, "midpoint2", kepler, "is midpoint2 on the system given with mu = 1.25, to"),
+    (partial(falling_to, wrong=1), "midpoint2", kepler, "its system is not the one given with mu = 1.25: from"),
+    (falling_to, "midpoint2", lambda y, mu: [*y[2:], *(-mu * y[:2] / np.linalg.norm(y[:2]) ** 3)],
+     "undecided whether it is midpoint2: of 4 numbers its system is the one given, but not of more, where from"),
+    (lambda y, h: y - h * np.roll(y, 1), "forward_euler", lambda y: -y, "is not forward_euler: its system is not"),
+    (sky, "symplectic_euler_position_first", attracted, "on the system given with mass = 2, 4, 8, to"),
+    (sky, "symplectic_euler_position_first", lambda y: attracted(0.0, y, np.ones(3)),
+     "undecided whether it is symplectic_euler_position_first: its system is not the one given with the masses of its"),
+    (spinning, "midpoint2", lambda t, psi: -1j * np.array([[1, 2], [2, -1]]) @ psi, "on the system given, to"),
+    (spinning, "midpoint2", lambda y: [y[2] + 2 * y[3], 2 * y[2] - y[3], -y[0] - 2 * y[1], y[1] - 2 * y[0]], "given"),
+])  # fmt: skip
+def test_parameters_are_the_same_numbers_in_the_system_and_in_the_step(step, method, system, said):
+    assert said in verify(step, method, system=system, isolate=False).verdict
+
+
 def test_a_system_is_for_a_step_of_one_method_that_takes_none():
     assert verify(lambda q, v, h: (q + h * v, v - h * q), "forward_euler", system=lambda y: [y[1], -y[0]]).passed
-    with pytest.raises(ValueError, match="takes its right-hand side: leave it out"):
+    with pytest.raises(ValueError, match="takes its right-hand side: give a step that keeps"):
         verify(lambda f, t, y, h: y + h * f(t, y), "forward_euler", system=circuit, isolate=False)
     with pytest.raises(ValueError, match="bdf2 is no method of one step"):
         verify(companion, "bdf2", system=circuit)

@@ -255,3 +255,13 @@ def test_a_division_by_a_step_of_0_is_not_what_makes_a_method_unknown():
     report = verify(newmark_in_displacements(0.6), "trapezoid", isolate=False, allowance=SOLVED)
     assert report.verdict == "is not trapezoid; it is not a known method: linear order 1"
     assert report.section("Identified instead: faults").lines[0].startswith("it divides by h = 0")
+
+
+def test_a_step_in_several_parts_is_shown_how_to_make_one_of_them():
+    def in_parts(f, t, y, dt, substeps=4):
+        for i in range(substeps):
+            y = codes.rk4(f, t + i * dt / substeps, y, dt / substeps)
+        return y
+
+    verdict = verify(in_parts, "rk4", examples=20, isolate=False).verdict
+    assert verdict.endswith("; write: def wrapped(f, t, y, h): return in_parts(f, t, y, h, substeps=1)")

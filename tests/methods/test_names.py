@@ -21,6 +21,7 @@ SAID = {
     "two-stage Gauss-Legendre": "gauss2", "SSPRK(3,3), Shu-Osher": "ssprk33", "DOP853": "dop853",
     "Gauss with two stages": "gauss2", "two-stage Radau IIA": "radau_iia2", "Radau IIA with 3 stages": "radau_iia3",
     "4th-order Runge-Kutta": "rk4", "Heun's 2nd-order method": "heun2",
+    "yoshida4_position_first": "forest_ruth",
 }  # fmt: skip
 
 

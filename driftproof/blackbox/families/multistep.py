@@ -13,7 +13,7 @@ from flint import arb
 from driftproof.blackbox.checks.determinism import MANY
 from driftproof.blackbox.families import multistep_recurrence as recurrences
 from driftproof.blackbox.families.imex import WELL_SOLVED
-from driftproof.blackbox.families.multistep_runs import MarkedRuns, course, order_across
+from driftproof.blackbox.families.multistep_runs import Across, MarkedRuns, course, order_across
 from driftproof.blackbox.families.second_answers import WithEstimate, judged_second
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import CLEARANCE, order_seen, power_of_errors, slopes_text
@@ -87,14 +87,14 @@ class StartReading:
 class MultistepReading(WithEstimate):
     """The recurrence of a stepper's steps, and its start if that was seen.
 
-    A stepper that is `handed` the slopes before its first step has no start of its own. `order_across` is the order of
-    the first step after a change of h.
+    A stepper that is `handed` the slopes before its first step has no start of its own. `first_across` is the
+    first step after a change of h.
     """
 
     recurrence: recurrences.RecurrenceReading
     start: StartReading | None
     handed: bool = False
-    order_across: int | None = None
+    first_across: Across | None = None
     estimate: StepFinding | None = None
 
     @property
@@ -133,15 +133,15 @@ class MultistepReading(WithEstimate):
     @property
     def across(self) -> str:
         """What is seen of steps of several lengths, in words."""
-        if self.order_across is None:
+        if self.first_across is None:
             return recurrences.ONE_SIZE
-        return f"the first step after a change of h has order {self.order_across}"
+        return f"the first step after a change of h has order {self.first_across.order}"
 
     @property
     def slow_across(self) -> str:
         """The same if the order is less than that of the recurrence; else ""."""
-        facts, seen = self.recurrence.facts, self.order_across
-        return self.across if facts is not None and seen is not None and seen < facts.order else ""
+        facts, seen = self.recurrence.facts, self.first_across
+        return self.across if facts is not None and seen is not None and seen.order < facts.order else ""
 
     @property
     def key(self) -> str | None:
@@ -193,6 +193,9 @@ class MultistepReading(WithEstimate):
             return checks
         at = found.asked or "F is evaluated at the states that it returns"
         checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
+        if self.slow_across and self.first_across and not self.first_across.plain:
+            seen = f"{self.across}, though it takes account of the change"
+            checks.append(Criterion(ACROSS, None, (seen,), {}, f"the order {method.claimed_order} there as well"))
         if self.handed:
             return [*checks, Criterion("Start", True, (_HANDED,), {})]
         if start is None:
@@ -212,6 +215,7 @@ class MultistepReading(WithEstimate):
 # The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
 _NO_START = "its start was not seen: copies share its memory, as with a module variable, or it cannot be restarted"
 _HANDED = "its start is left to the caller, who hands it the earlier slopes from the first step on"
+ACROSS = "Change of h"
 VELOCITIES, _AT_ITS_TIMES = "Velocities", "those at the times of the positions, such as (x[n+1] - x[n-1])/(2 h)"
 _WITH_START = "a stepper that keeps its memory in an object of its own"
 
@@ -223,7 +227,8 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
     across, estimate = None, None
     with suppress(Misbehaviour, UnsupportedCall):
-        across = order_across(subject, recurrence.facts.order if recurrence.facts else 0)
+        own = recurrence.recurrence
+        across = order_across(subject, recurrence.facts.order if recurrence.facts else 0, own.rho, own.sigma)
     with suppress(Misbehaviour):
         start = read_start(runs, recurrence) if not handed and runs.begins_anew() else None
     with suppress(UnsupportedCall):

@@ -118,11 +118,21 @@ class Recurrence:
         except MethodError:
             return None
 
+    def _takes_the_last_early(self, method: Multistep) -> bool:
+        """True if it is the method with the slope of the new state taken where that of the state before is."""
+        *kept, before, last = (x / method.rho[-1] for x in method.sigma)
+        pairs = [*zip(self.rho, (x / method.rho[-1] for x in method.rho), strict=True)]
+        pairs += zip(self.sigma, (*kept, before + last, Fraction(0)), strict=True)
+        return bool(last) and all(abs(x - y) <= self.off(x) for x, y in pairs)
+
     def differences(self, method: Multistep) -> tuple[str, ...] | None:
         """The few coefficients that are not the method's, in words; None if they are many, or if k or d differs."""
         if (method.steps, method.derivative) != (self.steps, self.derivative):
             return None
         found = []
+        if self.steps > 1 and self._takes_the_last_early(method):
+            last = f"sigma[{self.steps}]"
+            return (f"{last}: the slope that it weighs is taken a step too early, as that of sigma[{self.steps - 1}]",)
         for name, seen, exact in (("rho", self.rho, method.rho), ("sigma", self.sigma, method.sigma)):
             for j, (x, y) in enumerate(zip(seen, exact, strict=True)):
                 if abs(x - y / method.rho[-1]) > self.off(x):

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -159,8 +160,18 @@ def _mark(number: int, place: AnyNumber) -> float:
     return 2 * ((round(float(place)) * _GOLDEN * (number + 1) + 0.3 * number) % 1.0) - 1
 
 
-def order_across(subject: ForeignStepper, order: int) -> int | None:
-    """The order, up to the given one, of the first step after a change of h; None if no such step is taken.
+class Across(NamedTuple):
+    """The first step after a change of h: its order, and whether it is as if there were no change, or as a first one.
+
+    A step that is neither takes account of the change.
+    """
+
+    order: int
+    plain: bool
+
+
+def order_across(subject: ForeignStepper, order: int, rho: Sequence[float], sigma: Sequence[float]) -> Across | None:
+    """The first step after a change of h, its order up to the given one; None if no such step is taken.
 
     A step of order p is exact on y' = p c^(p-1), c' = 1, where values before it are off by a constant at most.
     """
@@ -168,14 +179,16 @@ def order_across(subject: ForeignStepper, order: int) -> int | None:
         return None
     h = 0.125
     for p in range(1, order + 1):
-        moving, ends = subject.fresh(), [(-h * MANY) ** p]
-        for n in range(MANY + 1):  # of which the last goes from t = 0
-            t, taken = h * (n - MANY), h if n < MANY else 2 * h
-            problem = lambda _, y, p=p: [p * y[1] ** (p - 1), 1.0]
-            ends.append(float(moving.step_field(problem, t, [ends[-1], t], taken)[0]))
+        moving, ends, times = subject.fresh(), [(-h * MANY) ** p], [h * (n - MANY) for n in range(MANY + 1)]
+        problem = lambda _, y, p=p: [p * y[1] ** (p - 1), 1.0]
+        for t in times:  # of which the last step goes from t = 0
+            ends.append(float(moving.step_field(problem, t, [ends[-1], t], h if t < 0 else 2 * h)[0]))
         if abs(ends[-1] - ends[-2] - (2 * h) ** p) > ALIKE * h**p:
-            return p - 1
-    return order
+            slopes = [p * t ** (p - 1) for t in (*times, 2 * h)]
+            left = np.dot(rho, ends[-len(rho) :]) - 2 * h * np.dot(sigma, slopes[-len(sigma) :])
+            first = float(subject.fresh().step_field(problem, 0.0, [ends[-2], 0.0], 2 * h)[0])
+            return Across(p - 1, bool(min(abs(left), abs(first - ends[-1])) <= ALIKE * h**p))
+    return Across(order, False)
 
 
 def remembers(subject: ForeignStepper, uneven: float = 0.0, alike: float = ALIKE) -> bool:

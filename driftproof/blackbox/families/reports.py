@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from driftproof.blackbox.families.imex import read_imex
 from driftproof.blackbox.families.magnetic import Boris
 from driftproof.blackbox.families.magnetic_step import read_magnetic
-from driftproof.blackbox.families.multistep import VELOCITIES, read_multistep
+from driftproof.blackbox.families.multistep import ACROSS, VELOCITIES, read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
 from driftproof.blackbox.families.quaternions import read_quaternion
@@ -139,8 +139,8 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     read: FamilyReading = outcome.result
     checks = read.criteria(method)
     open_ones = [check for check in checks if check.passed is None]
-    # What was read comes first, then measurements, of which one suffices, but for velocities.
-    decisive, others = [*checks[:2], *(check for check in checks if check.title == VELOCITIES)], checks[2:]
+    # What was read comes first, then measurements, of which one suffices, but for velocities and changes of h.
+    decisive, others = [*checks[:2], *(each for each in checks if each.title in (VELOCITIES, ACROSS))], checks[2:]
     seen = any(check.passed for check in others) or all(check.mark == "not tested" for check in others)
     decided = seen and all(check.passed for check in decisive)
     passed = False if any(check.passed is False for check in checks) else True if decided else None

@@ -27,6 +27,8 @@ from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
+# Methods that go by one name with either root of the equation for gamma: both are published, and used.
+_EITHER_ROOT = ("ros2",)
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
 
@@ -114,19 +116,31 @@ def _conjugate(x: Exact) -> Exact:
     return x
 
 
+def _other_root(method: Rosenbrock) -> Rosenbrock:
+    """The method with the other root of a quadratic equation for gamma, with which all conditions of order hold too."""
+    changed = ([[_conjugate(x) for x in row] for row in rows] for rows in (method.alpha, method.gamma, [method.b]))
+    alpha, gamma, (b,) = (tuple(map(tuple, rows)) for rows in changed)
+    return replace(method, alpha=alpha, gamma=gamma, b=b)
+
+
+def _roots(method: Rosenbrock) -> list[Rosenbrock]:
+    """The methods that go by the name of one: with either root of its equation, or it alone."""
+    return [method, *[_other_root(method)] * (method.key in _EITHER_ROOT)]
+
+
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
     """The single entries of a method that, with another value, give what was read: the products are affine in each.
 
-    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison. First
-    comes the other root of a quadratic equation for gamma, with which all conditions of order hold as well.
+    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison. The
+    other root comes first.
     """
     names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
     if len(_Products(*floats, powers).nodes) != reading.calls:
         return
-    changed_rows = ([[_conjugate(x) for x in row] for row in rows] for rows in (method.alpha, method.gamma, [method.b]))
-    alpha, gamma, (b,) = (tuple(map(tuple, rows)) for rows in changed_rows)
-    if _Products.of(replace(method, alpha=alpha, gamma=gamma, b=b), powers).differences(reading) == []:
-        yield f"the other root: gamma[0][0] = {exact_shown(gamma[0][0])} instead of {exact_shown(method.gamma[0][0])}"
+    other = _other_root(method)
+    if _Products.of(other, powers).differences(reading) == []:
+        shown = (exact_shown(each.gamma[0][0]) for each in (other, method))
+        yield f"the other root: gamma[0][0] = {' instead of '.join(shown)}"
     seen = np.array(reading.weights)
     for which, entries in enumerate(floats):
         for place in np.ndindex(entries.shape):
@@ -159,13 +173,15 @@ class RosenbrockIdentity(WithEstimate):
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
     `method` is of the catalogue, or the one asked for, or None if none has them, with its entries in floats, since an
-    isolated process sends plain numbers; `told` says its orders, and `near` is one that differs in one entry, in words.
+    isolated process sends plain numbers; `told` says its orders, `near` is one that differs in one entry, and
+    `root` which of two roots its gamma is, in words.
     """
 
     reading: RosenbrockReading
     method: Rosenbrock | None
     told: str
     near: str
+    root: str
     measured: MeasuredOrder
     w_order: int | None
     walked: StepFinding | None = None
@@ -200,7 +216,9 @@ class RosenbrockIdentity(WithEstimate):
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
-        name = self.method.key if self.method is not None else self.near or "not a known Rosenbrock method"
+        name = (
+            f"{self.method.key}{self.root}" if self.method is not None else self.near or "not a known Rosenbrock method"
+        )
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
         powers = len(self.reading.weights)
         partly = self.method is not None and powers < self.method.stages
@@ -260,8 +278,11 @@ class RosenbrockIdentity(WithEstimate):
 
     def criteria(self, method: Rosenbrock) -> list[Criterion]:
         """The criteria of a method: the products, the use of df/dt and of the Jacobian, the order, steps elsewhere."""
-        products = _Products.of(method, len(self.reading.weights))
-        differences = products.differences(self.reading)
+        (products, differences), *others = (
+            (each, each.differences(self.reading))
+            for each in (_Products.of(root, len(self.reading.weights)) for root in _roots(method))
+        )
+        differences = [] if any(other == [] for _, other in others) else differences
         if differences is None:
             asked = f"{method.key} evaluates f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
@@ -287,6 +308,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     """Identify a step with a Jacobian. Raises NotReadable, UnsupportedCall, or the stepper's Misbehaviour."""
     reading = read_rosenbrock_step(subject)
     known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
+    known = [root for each in known for root in _roots(each)]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
     near = "" if found else next((f"{m.key} except for {x}" for m in known for x in _near(reading, m)), "")
     measured, with_half = (
@@ -294,7 +316,10 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
         for kind in (walks.WithJacobian, walks.WithHalfJacobian)
     )
     walked = None
-    if method := asked or found:
+    root = ""
+    if found and found not in FACTS_ONLY.values() and found != asked:
+        root = f" with gamma[0][0] = {exact_shown(found.gamma[0][0])}, the other root of its equation"
+    if method := found if root else asked or found:
         walked = there_and_back(walks.RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
     told, plain = "", None
     if found:
@@ -304,7 +329,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
         alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(found))
         plain = replace(found, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
     estimate = _judged_estimate(subject, found or asked)
-    return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked, estimate)
+    return RosenbrockIdentity(reading, plain, told, near, root, measured, with_half.order, walked, estimate)
 
 
 def _judged_estimate(subject: ForeignStepper, method: Rosenbrock | None) -> StepFinding | None:

@@ -8,11 +8,13 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from math import inf, log10
+from typing import Any
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, Example, agreement
 from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
+from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
@@ -26,6 +28,8 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if h is rounded to binary32 first": lambda given: replace(given, step_in_binary32=True),
     _OF_POSITIONS: lambda given: replace(given, velocity_from_positions=True),
 }
+# Parts of a step's size that the step before it may have.
+_OTHER_SIZES = (0.5, 2.0**-4, 2.0**-8)
 # Step sizes at which the iteration of an implicit stage converges, the largest first.
 _CONVERGING = (0.5, 0.25)
 # How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
@@ -43,6 +47,11 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
     found = agreement(subject, wanted, examples)
     if found.failing is None:
         return found
+    if (after := _after_another(subject, wanted, found.failing)) and agreement(
+        replace(subject, function=_made_anew(subject)), wanted, examples
+    ).holds:
+        failing = replace(found.failing, reproduction=f"{after}; {found.failing.reproduction}")
+        return replace(found, failing=failing, but_for="if a new object makes each step")
     if not of_one_state(wanted.method).explicit and subject.convention.kind != MAP:
         smaller = (each for each in _smaller(wanted.domain) if _diverges(subject, wanted, found.failing, each))
         for domain in smaller:
@@ -77,6 +86,23 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
         if agreement(subject, rounded, examples).holds:
             return replace(found, but_for=f"if its coefficients are rounded to {words}")
     return found
+
+
+def _made_anew(subject: ForeignStepper) -> Callable[..., Any]:
+    """The step of a new object each time."""
+    return lambda *arguments, **named: subject.fresh().function(*arguments, **named)
+
+
+def _after_another(subject: ForeignStepper, wanted: Specification, failing: Example) -> str:
+    """The call of a step of another size, by a new object, after which its failing step goes elsewhere; "" if none."""
+    tolerance, (q, v, h) = Tolerance.of(wanted, subject.format), (failing.q, failing.v, failing.h)
+    with suppress(Misbehaviour, UnsupportedCall):
+        if all(component.allowed for component in tolerance.judge(q, v, h, subject.fresh().step(q, v, h))):
+            for before in (h * x for x in _OTHER_SIZES):
+                (made := subject.fresh()).step(q, v, before)
+                if not all(component.allowed for component in tolerance.judge(q, v, h, made.step(q, v, h))):
+                    return call_text(subject, q, v, before)
+    return ""
 
 
 def _smaller(domain: Domain) -> Iterator[Domain]:

@@ -87,11 +87,9 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     momentum = bool(masses and (names & {*calling.MOMENTA} or (calling.STATE in found.order and not adapter.parts)))
 
     def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
-        held = {name: x for name, x in values.items() if name in adapter.parameters}
-        extra = {**found.extra, **{name: x for name, x in values.items() if name not in held}}
-        convention = replace(found, extra=extra, factor=factor * found.factor)
-        changed = adapter.with_parameters(held) if held and adapter.with_parameters else adapter
-        return _Reading(values, replace(subject, convention=convention, adapter=changed), rate, scale)
+        changed = subject.with_parameters(values)
+        convention = replace(changed.convention, factor=factor * found.factor)
+        return _Reading(values, replace(changed, convention=convention), rate, scale)
 
     if found.kind == calling.FORCE and masses:
         if masses[0] in found.extra:

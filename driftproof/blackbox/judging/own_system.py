@@ -91,17 +91,20 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     return system
 
 
-def seen_at(subject: ForeignStepper, domain: Domain) -> tuple[ForeignStepper, list[tuple[float, ...]]]:
-    """The stepper as it takes all numbers of its built-in system, and states at which that is seen."""
+def seen_at(
+    subject: ForeignStepper, domain: Domain, size: int | None = None
+) -> tuple[ForeignStepper, list[tuple[float, ...]]]:
+    """The stepper as it takes all numbers of its built-in system, or `size` of them, and states at which it is seen."""
     (*_, (q, v)), _ = ordinary_arguments(subject, domain)
-    if (begun := [*chain(*getattr(subject.function, "begun", ()))])[2:]:  # of an object with further numbers
+    begun = [*chain(*getattr(subject.function, "begun", ()))]
+    if begun[2:]:  # of an object with further numbers
         of_all, alone = subject.function.of_all, CallingConvention(MAP, (STATE, STEP))  # type: ignore[attr-defined]
         subject = replace(subject, function=of_all, convention=alone, adapter=ARRAYS, log=CallLog())
         return subject, [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(3)]
-    subject, size = (subject, 2) if begun else _whole(subject)
+    subject, size = (subject, size or 2) if begun or size else _whole(subject)
     # None of them has a 0, where a friction jumps.
     first = [(q, v), (v / 2, q / 2), (-q, v / 4)]
-    return subject, [(*y, *[v * cos(3 * i + place) for i in range(size - 2)]) for place, y in enumerate(first)]
+    return subject, [(*y, *[v * cos(3 * i + place) for i in range(size - 2)])[:size] for place, y in enumerate(first)]
 
 
 def own_time(seen: Sequence[tuple[Array, Array]], slopes: Callable[[Array], Array] | None = None) -> float:
@@ -190,13 +193,18 @@ class OwnSteps:
         return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * self.size, self.size // 2)
 
     @property
+    def times(self) -> Sequence[float]:
+        """The times at which steps are compared."""
+        return _TIMES
+
+    @property
     def size(self) -> int:
         """How many numbers a state has."""
         return len(self.states[0])
 
     def end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
         """The end of a step."""
-        return self.subject.step_state(y, h, t) if self.size > 2 else self.subject.step(y[0], y[1], h, t)
+        return self.subject.step_state(y, h, t) if self.size != 2 else self.subject.step(y[0], y[1], h, t)
 
     def slopes(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes as floats."""
@@ -287,7 +295,7 @@ class OwnSteps:
         """
         method, found, why, bent = of_one_state(wanted.method), list[float](), "", 0.0
         allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-        for t, share, y in product(_TIMES, _COMPARED, self.states):
+        for t, share, y in product(self.times, _COMPARED, self.states):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
                 seen, told = tuple(self.end(t, y, h)), self.step(method, t, y, h)
@@ -305,7 +313,7 @@ class OwnSteps:
 
     def _apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
         """The largest difference of two ends, each half of a state relative to its own size."""
-        halves = (slice(None, self.size // 2), slice(self.size // 2, None))
+        halves = (slice(None, self.size // 2), slice(self.size // 2, None))[self.size < 2 :]
         sizes = [max(map(abs, y[half])) or max(map(abs, y)) for half in halves]
         return float(
             max(np.abs(np.subtract(ends[x], others[x])).max() / size for x, size in zip(halves, sizes, strict=True))

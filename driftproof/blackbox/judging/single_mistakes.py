@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from math import isfinite
@@ -12,7 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import capped_exp
 from driftproof.blackbox.probes.coefficients import exact_shown, simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -27,6 +28,8 @@ Lines: TypeAlias = tuple[str, ...]
 Tables: TypeAlias = dict[str, Any]
 # q, v and h, of ordinary size; h is so large that every coefficient of a method of high order matters.
 _STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
+# Where no method moves, whatever its mistake; a stale slope that is kept does.
+_REST = (0.0, 0.0, 1.0)
 # The factor by which numbers inside a step may exceed its result: coefficients reach 50, and slopes 30.
 _INSIDE = 64
 # Iterations of the secant method for one coefficient, and its first offset; on linear problems one iteration is exact.
@@ -64,16 +67,19 @@ class Program:
 def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
-    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q). At most MOST_SHOWN are returned; none if
-    the method is implicit or very long, or if its steps are the subject's.
+    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q), and at rest. At most MOST_SHOWN are
+    returned; none if the method is implicit or very long, or if its steps are the subject's.
     """
     calls = len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
     if not method.explicit or calls > _MOST_STAGES:
         return ()
     force = oscillator if subject.convention.kind == MAP else _wall
+    with suppress(UnsupportedCall):  # what an object keeps from steps of another force is none of the method's
+        subject = subject.fresh(subject.convention.steps)
     step = subject.step if subject.convention.kind == MAP else lambda *at: subject.step_with(_wall, *at)
     try:
-        seen = _StepsSeen(force, [step(*at) for at in _STEPS], Rounding(subject.format, calls))
+        rest = oscillator, _REST, subject.step(*_REST)
+        seen = _StepsSeen([*((force, at, step(*at)) for at in _STEPS), rest], Rounding(subject.format, calls))
     except Misbehaviour:
         return ()
     program = program_of(method)
@@ -90,17 +96,16 @@ def _wall(q: float) -> float:
 
 @dataclass(frozen=True)
 class _StepsSeen:
-    """The steps that the subject takes from _STEPS under a force."""
+    """Steps that the subject takes: the force of each, where it goes from with h, and its end."""
 
-    force: Callable[[float], float]
-    ends: Sequence[Sequence[float]]
+    steps: Sequence[tuple[Callable[[float], float], tuple[float, float, float], Sequence[float]]]
     rounding: Rounding
 
     def are_of(self, program: Program) -> bool:
         """True if the program takes these steps, to rounding."""
-        for at, end in zip(_STEPS, self.ends, strict=True):
+        for force, at, end in self.steps:
             with np.errstate(all="ignore"):
-                made = program.step(self.force, *at)
+                made = program.step(force, *at)
             allowed = _INSIDE * self.rounding.of(1 + max(map(abs, (*end, *made))))
             if not all(abs(gap) <= allowed for gap in map(sub, made, end)):
                 return False
@@ -109,8 +114,10 @@ class _StepsSeen:
     def solved(self, one: _Parameter) -> str:
         """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
 
+        force, at, end = self.steps[0]
+
         def gap(x: float, m: int) -> float:
-            return one.at(x).step(self.force, *_STEPS[0])[m] - self.ends[0][m]
+            return one.at(x).step(force, *at)[m] - end[m]
 
         start = 1.0 if one.scaled else one.row[one.chosen[0]]
         with np.errstate(all="ignore"):

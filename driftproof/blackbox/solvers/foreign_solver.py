@@ -15,6 +15,7 @@ from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
 from driftproof.blackbox.stepper.class_wrappers import run_of_class
 from driftproof.blackbox.stepper.foreign_code import guarded_call
+from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -286,6 +287,8 @@ class SolverTarget:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
         given = imported(self.solver, "solver")
+        if [*(calling.parameters_of(given) or ())][:1] == ["self"]:
+            given = owner_of(given)
         if inspect.isclass(given) and (run := run_of_class(given)):
             given = run
         elif inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 from math import inf
@@ -24,8 +24,10 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STATE,
     STEP,
     TIME,
+    UNIT_PARAMETERS,
     VELOCITY,
     reading_of,
+    word_of,
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -115,6 +117,25 @@ class ForeignStepper(ForeignCode):
         }
         names = found.named(self.function)
         return reading_of({what: [x for role, x in names if role in of] for what, of in parts.items()}, self.function)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The parameters of a system that is built in, by name: 1 unless `with_parameters` has set them."""
+        extra = {name: x for name, x in self.convention.extra.items() if word_of(name) in UNIT_PARAMETERS}
+        return {**extra, **self.adapter.parameters, **getattr(self.function, "others", {})}
+
+    def with_parameters(self, values: Mapping[str, float]) -> ForeignStepper:
+        """The same stepper with these values of some parameters."""
+        function, adapter = self.function, self.adapter
+        held = {name: x for name, x in values.items() if name in adapter.parameters}
+        others = getattr(function, "others", {})
+        if others.keys() & values.keys():
+            function = function.of_others({**others, **values})  # type: ignore[attr-defined]
+        elif extra := {name: x for name, x in values.items() if name not in held}:
+            convention = replace(self.convention, extra={**self.convention.extra, **extra})
+            return replace(self, convention=convention).with_parameters(held)
+        adapter = adapter.with_parameters(held) if held and adapter.with_parameters else adapter
+        return replace(self, function=function, adapter=adapter)
 
     @property
     def gives_velocities(self) -> bool:

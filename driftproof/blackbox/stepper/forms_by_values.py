@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,10 @@ from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 _SHORT, _LONG = 2.0**-10, 0.25
 # A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
 _MOST_BESIDE_ONE = 2
-# Where arrays may hold cells that move each other, as in a wave, they have so many.
-_CELLS = 4
+# Where arrays may hold cells that move each other, as in a wave, or a vector in space, they have so many.
+_CELLS = 3
+# Where numbers are taken for none of the state, its vectors may have so many, as those of a matrix that is built in.
+_NUMBERS_OF_A_VECTOR = (3, 2)
 # An array that is a state may hold so many numbers.
 _NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
 
@@ -29,12 +32,13 @@ class Numbers:
     """A step that takes and returns the numbers of its state one by one; these are its first arguments, by `names`.
 
     They are known not by their names, but because a very short step returns them. What it takes besides, as a rate, is
-    1. A step of one number is tried on each of several. Each may be an array of `cells` that move each other.
+    in `others`, 1 unless a system is given. A step of one number is tried on each of several. Each may be an array of
+    `cells` that move each other.
     """
 
     step: Callable[..., Any]
     names: tuple[str, ...]
-    others: tuple[str, ...]
+    others: Mapping[str, float]
     size: str
     times: tuple[str, ...]
     cells: int = 1
@@ -47,30 +51,34 @@ class Numbers:
         ('m', 'p')
         """
         known, size, times = _names_of(step)
-        start = [1 / (i + 2) for i in range(len(known))]
         if not size:
             return None
         no_state = calling.matrices(known) or calling.launch(known)
         least = 1 if len(known) <= 1 + _MOST_BESIDE_ONE and not no_state else 2
-        with suppress(Exception):
-            end = np.atleast_1d(np.array(cls(step, known, (), size, times)._called(start, 0.0, _SHORT**2), float))
-            if least <= end.size <= len(start) and np.allclose(end, start[: end.size], rtol=0, atol=_SHORT):
-                return cls(step, known[: end.size], known[end.size :], size, times)._of_cells()
+        for cells in (1, *_NUMBERS_OF_A_VECTOR):
+            start = 1 / np.arange(2.0, 2 + len(known) * cells).reshape(len(known), cells)
+            with suppress(Exception):
+                given = start if cells > 1 else start[:, 0].tolist()
+                end = np.atleast_1d(np.array(cls(step, known, {}, size, times)._called(given, 0.0, _SHORT**2), float))
+                near = np.allclose(end.reshape(-1, cells), start[: len(end)], rtol=0, atol=_SHORT)
+                if max(least, min(cells, 2)) <= len(end) <= len(start) and end.size == len(end) * cells and near:
+                    ones = dict.fromkeys(known[len(end) :], 1.0)
+                    found = cls(step, known[: len(end)], ones, size, times, cells)
+                    return found._of_cells() if cells == 1 else found
         return None
 
     def _of_cells(self) -> Numbers:
         """Itself, or with arrays of cells if a change of the first of these is seen in others."""
-        cells = _CELLS - (len(self.names) >= _CELLS)
         with suppress(Exception):
-            start = 1 / np.arange(2.0, 2 + len(self.names) * cells).reshape(len(self.names), cells)
-            other = start * np.where(np.arange(cells) == 0, 0.5, 1.0)
+            start = 1 / np.arange(2.0, 2 + len(self.names) * _CELLS).reshape(len(self.names), _CELLS)
+            other = start * np.where(np.arange(_CELLS) == 0, 0.5, 1.0)
             ends, others = (np.array(self._called(y, 0.0, _LONG)).reshape(start.shape) for y in (start, other))
             if np.any(ends[:, 1:] != others[:, 1:]):
-                return replace(self, cells=cells)
+                return replace(self, cells=_CELLS)
         return self
 
     def _called(self, y: Foreign, t: float, h: float) -> Foreign:
-        given = dict(zip(self.names, y, strict=True)) | dict.fromkeys(self.others, 1.0)
+        given = dict(zip(self.names, y, strict=True)) | {**self.others}
         return self.step(**given | {self.size: h} | dict.fromkeys(self.times, t))
 
     @property
@@ -85,31 +93,55 @@ class Numbers:
                 return np.array([float(self._called([x], t, h)) for x in y])
             return np.array(self._called([*y], t, h), dtype=float)
 
-        return _read_as(moved if self.times else lambda y, h: moved(y, 0.0, h), self.step, self.names)
+        form = moved if self.times else lambda y, h: moved(y, 0.0, h)
+        of_others = lambda others: replace(self, others=others).form
+        found: Any = _read_as(form, self.step, self.names, self.others, of_others)
+        if self.cells > 1:
+            found.of_size = lambda size: replace(self, cells=size // len(self.names)).form
+        return found  # type: ignore[no-any-return]
 
 
 def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     """Yield the step(y, h) of one whose first argument is an array that a very short step leaves nearly as it was.
 
-    What it takes besides, as a control, is 1.
+    What it takes besides, as a control, is 1. Where the array is complex, y holds its real parts, then the others.
     """
     known, size, times = _names_of(step)
     if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
         return
-    others = dict.fromkeys(known[1:], 1.0)
 
-    def called(y: Foreign, t: float, h: float) -> Foreign:
-        moved = copy(y)
-        answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | others)
-        return moved if answer is None else answer
+    def form(others: Mapping[str, float], by_parts: bool = False) -> Callable[..., Any]:
+        def called(y: Foreign, t: float, h: float) -> Foreign:
+            moved = as_complex(y) if by_parts else copy(y)
+            answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | {**others})
+            end = moved if answer is None else answer
+            return as_reals(end) if by_parts else end
 
+        plain = called if times else lambda y, h: called(y, 0.0, h)
+        made: Any = _read_as(plain, step, known[:1], others, partial(form, by_parts=by_parts))
+        made.by_parts = by_parts
+        return made  # type: ignore[no-any-return]
+
+    ones, at = dict.fromkeys(known[1:], 1.0), (0.0,) * bool(times)
+    found = form(ones)
     for count in _NUMBERS_OF_AN_ARRAY:
         with suppress(Exception):
             start = np.array([1 / (i + 2) for i in range(count)])
-            near, far = (called(start, 0.0, h) for h in (_SHORT**2, _LONG))
+            near, far = (found(start, *at, h) for h in (_SHORT**2, _LONG))
             if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
-                yield _read_as(called if times else lambda y, h: called(y, 0.0, h), step, known[:1])
+                yield form(ones, by_parts=True) if np.iscomplexobj(far) and np.imag(far).any() else found
                 return
+
+
+def as_complex(y: Foreign) -> Foreign:
+    """The complex numbers with these real parts, and then these imaginary parts."""
+    real, imaginary = np.split(np.asarray(y, float), 2)
+    return real + 1j * imaginary
+
+
+def as_reals(z: Foreign) -> Foreign:
+    """The real parts of complex numbers, and then the imaginary parts."""
+    return np.concatenate([np.real(z), np.imag(z)])
 
 
 def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
@@ -125,9 +157,16 @@ def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvent
     return replace(numbers, step=step).form if states < {*numbers.names} else None
 
 
-def _read_as(form: Any, step: Callable[..., Any], names: Sequence[str]) -> Callable[..., Any]:
-    """The form of a step with the names of its state, which reports then use."""
+def _read_as(
+    form: Any,
+    step: Callable[..., Any],
+    names: Sequence[str],
+    others: Mapping[str, float],
+    of_others: Callable[[Mapping[str, float]], Callable[..., Any]],
+) -> Callable[..., Any]:
+    """The form of a step with the names of its state, which reports then use, and with what makes it of `others`."""
     *_, size, times = _names_of(step)
+    form.step, form.others, form.of_others = step, others, of_others
     form.state_names = tuple(names) if len(names) > 1 else tuple(f"{names[0]}[{i}]" for i in range(2))
     form.reading = calling.reading_of({"the state": names, "the time": times, "the step size": [size]}, step)
     return form  # type: ignore[no-any-return]

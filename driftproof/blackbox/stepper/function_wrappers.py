@@ -13,6 +13,7 @@ import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper import wrapper_parts as common
+from driftproof.blackbox.stepper.records import fields_of
 from driftproof.blackbox.stepper.run_wrappers import list_wrapper, run_wrapper, two_step_run
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
@@ -40,7 +41,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
     if gradients := gradients_of(names):
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **common.arguments_by_role(rest, calling.FORCE)}, calling.FORCE)
-    if line := _two_forces_wrapper(step, names):
+    if line := _two_forces_wrapper(step, names) or _run_of_records(step, names):
         return line
     roles = {common.plain_role(each): calling.word_of(each) for each in names if each not in calling.matrices(names)}
     forced = common.takes_force(names) or calling.has_gradient(names) or roles.get(calling.FUNCTION) == "a"
@@ -104,6 +105,35 @@ def _two_forces_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     counts = [each for each, x in others.items() if type(x) is int and x > 1]  # of inner steps, whose sums round more
     given, names = {**given, **dict.fromkeys(counts, "1")}, [*names, *counts]
     return _call(step, names, {**given, pair[0]: "lambda q, *rest: 0.0 * q", pair[1]: "force"}, calling.FORCE)
+
+
+def _run_of_records(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The run of a step of records that hold a position and the one before, and no velocity; "" if it takes none."""
+    given = {
+        each: {"f": "force"}.get(text, text) for each, text in common.arguments_by_role(names, calling.FIELD).items()
+    }
+    left = [each for each in names if given.get(each, "y") in ("y", "()")]
+    if len(left) != 1 or not {"force", "h"} <= {*given.values()} - {given.get(left[0])}:
+        return ""
+    trial = {**common.TRIAL_ARGUMENTS, "force": lambda *x: 0.0}
+
+    def called(record: Any) -> Any:
+        return step(**{each: record if each in left else trial[given[each]] for each in names})
+
+    with suppress(Exception):
+        found = fields_of(step, called)
+        name, make, _, needed = found or ("", dict, (), ())
+        (before,) = filter(common.is_before, needed)
+        (now,) = (each for each in needed if each != before)
+        end, part = called(make(**{now: 1.0, before: 0.75})), f"[{now!r}]" if make is dict else f".{now}"
+        if (end[now] if make is dict else getattr(end, now)) == 1.25:  # where nothing is pushed
+            start = f"{name}({now}=q, {before}={common.BEFORE})"
+            later = common.call_by_names(step, names, {**given, left[0]: "ys[-1]"})
+            places = [f"[y{part} for y in {row}]" for row in ("ys", "ys[1:]")]
+            return common.run_of_steps(
+                common.HEADS[calling.FORCE], start, later, found=common.WITH_SPEEDS.format(*places)
+            )
+    return ""
 
 
 def _named(names: Sequence[str], known: Sequence[str]) -> str | None:

@@ -48,9 +48,9 @@ _AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", 
 _SHORT, _NEAR = 2.0**-20, 2.0**-6
 
 
-def kept_state_wrapper(cls: type, made: Any, advance: str) -> str:
-    """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
-    pushed = not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES)
+def kept_state_wrapper(cls: type, made: Any, advance: str, own: bool = False) -> str:
+    """The wrapper of an object that keeps its state and maybe its system; "" if its method takes more than a size."""
+    pushed = own or (not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES))
     line = "" if pushed else put_wrapper(cls, made, advance)
     if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
         return line
@@ -135,14 +135,14 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
 
 
 def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
-    """The step of an object, made anew, whose system is built in, of the numbers that its step moves."""
-    taken, size = _taken_by(made, advance), attribute_of(made, STEP)
+    """The step of an object, made anew, whose system is built in, of the time and the numbers that its step moves."""
+    taken, size, time = _taken_by(made, advance), attribute_of(made, STEP), attribute_of(made, TIME)
     call = ", ".join("h" if common.plain_role(each) == STEP else "0.0" for each in taken)
     put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
-    places = ", ".join(f"made.{each}" for each in moved)
+    places, put = ", ".join(f"made.{each}" for each in moved), put + f"made.{time} = t; " * bool(time)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
-    puts = f"made = {makes}; {put}[{places}] = y; made.{advance}({call})"
-    return f"def wrapped(y, h): import numpy; {puts}; return numpy.array([{places}])"
+    puts = f"made = {makes}; {put}[{places}] = 1.0 * y; made.{advance}({call})"
+    return f"def wrapped({'t, ' * bool(time)}y, h): import numpy; {puts}; return numpy.array([{places}])"
 
 
 def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] | None]:
@@ -226,5 +226,6 @@ def advance_of(cls: type) -> str:
 def kept_wrapper(kept: Sequence[str], advance: Any) -> str:
     """What to write in a call of `stepper_of` to set what an object keeps from its last step, with words to replace."""
     puts = ", ".join(f"setattr(made, '{name}', {name.upper()}_AT_ITS_STATE)" for name in kept)
-    act = f"made.{advance}(h)" if isinstance(advance, str) else "ADVANCE(made, h)"
-    return f"; write advance=lambda made, h: ({puts}, {act}) in the call of stepper_of"
+    if not isinstance(advance, str):
+        return f"; if its advance sets {', '.join(kept)} already, the step itself makes something else of what it kept"
+    return f"; write advance=lambda made, h: ({puts}, made.{advance}(h)) in the call of stepper_of"

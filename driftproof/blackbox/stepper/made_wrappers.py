@@ -43,19 +43,22 @@ _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 _TRIED = 12
 
 
-def object_wrapper(step: Callable[..., Any]) -> str:
-    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found."""
+def object_wrapper(step: Callable[..., Any], own: bool = False) -> str:
+    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found.
+
+    If its `own` system is to be judged, nothing of it is replaced.
+    """
     if inspect.isclass(step):
         advance = advance_of(step) or "step"
         made, whole = _made_anyhow(step), class_run_wrapper(step)
         once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
-        return once or kept_state_wrapper(step, made, advance)
+        return once or kept_state_wrapper(step, made, advance, own)
     made, names = getattr(step, "__self__", None), required_names(step)
     if made is None or names is None or [*map(common.plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
-    return taken or kept_state_wrapper(cls, made, step.__name__)
+    return taken or kept_state_wrapper(cls, made, step.__name__, own)
 
 
 def _own_step(cls: type) -> str:
@@ -218,6 +221,8 @@ class _Made(NamedTuple):
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
+        if not (left or self.arguments or self.time) and self._alone():  # whose steps may have several lengths
+            return f"wrapped = {made}{self.method}"
         arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
@@ -227,6 +232,19 @@ class _Made(NamedTuple):
             given = ", ".join(copies.get(each, each) for each in self.arguments.values())
             begin = begin.replace(made, f"{common.name_of(self.make)}({given})", 1)
         return common.run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
+
+    def _alone(self) -> bool:
+        """True if the object itself is a step: it looks back at its steps, or goes on from any state as a new one."""
+        with suppress(Exception):
+            made, state = self.new(_START[self.kind], 0.0), _START[self.kind]
+            for i in range(_TRIED):
+                found, anew = (self.stepped(each, state, i / 4) for each in (made, self.new(state, i / 4)))
+                if not np.array_equal(np.array(found), np.array(anew)):
+                    return True
+                state = found
+            on, anew = (self.stepped(each, _START[self.kind], 0.0) for each in (made, self.new(_START[self.kind], 0.0)))
+            return bool(np.array_equal(np.array(on), np.array(anew)))
+        return False
 
     def fitted(self) -> _Made:
         """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""

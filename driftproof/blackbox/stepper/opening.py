@@ -62,11 +62,13 @@ def opened(
     array: Callable[[Any], Any] | None = None,
     before: Callable[[str], None] = lambda call: None,
     after: Callable[[], None] = lambda: None,
+    keeps: bool = False,
 ) -> ForeignStepper:
     """Open the stepper: return it as a `ForeignStepper`, with the first adapter in which it answers.
 
     `array` makes the stepper's own numbers from a list of floats (torch.tensor, ...) or from one float (numpy.float32).
-    `before` receives each call as text before it is made; `after` is called when it is over. Raises ValueError if no
+    `before` receives each call as text before it is made; `after` is called when it is over. Where `keeps`, a
+    wrapper in a message keeps the system that is built in. Raises ValueError if no
     calling convention fits, and OwnClock. If no adapter gets an answer, raises StaleSlope if there was one, else the
     `Misbehaviour` of the most natural adapter.
     """
@@ -99,7 +101,7 @@ def opened(
             return found
         if stale := [failure for failure in failures if isinstance(failure, findings.StaleSlope)]:
             raise stale[0] from None
-        line = _tried_out(wrappers.wrapper_line(given), given)
+        line = _tried_out(wrappers.wrapper_line(given, keeps), given)
         if calls is not None:
             raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
         raise findings.BadInput(f"{_unfitting(given)}{line or wrappers.template(given)}") from None
@@ -134,7 +136,7 @@ def opened(
         systems = first_of([partial(tried, made(systems.convention, SYSTEMS[1]), one_step)]) or systems
     if found := systems if systems and not _stands_still(systems) else found:
         return found
-    line = _tried_out(wrappers.wrapper_line(step), step) if inspect.isclass(step) else list_wrapper(given)
+    line = _tried_out(wrappers.wrapper_line(step, keeps), step) if inspect.isclass(step) else list_wrapper(given)
     if any(failure.kind == "positions_alone" for failure in failures):
         line = positions_wrapper(given)
     if inspect.isclass(step) and isinstance(failures[0], findings.NotANumber):  # its call makes an object
@@ -203,6 +205,8 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
         steps = LONGER if subject.convention.run else 1
         subject = replace(subject, convention=subject.convention.of_steps(steps))
+        with suppress(findings.UnsupportedCall):  # which the trial steps have not moved
+            subject = subject.fresh(steps)
         if kind == calling.FIELD:
             ends = [subject.step_field(rate, 1.0, state, TINY) for rate in (lambda t, y: [1.0 for _ in y], zeros)]
         elif kind == calling.FORCE:
@@ -256,11 +260,15 @@ def _adapters(
 
 @dataclass(frozen=True)
 class Target:
-    """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed."""
+    """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed.
+
+    Where `keeps`, a wrapper in a message replaces nothing of its system.
+    """
 
     step: Callable[..., Any] | str
     calls: str | None = None
     array: Callable[[Any], Any] | str | None = None
+    keeps: bool = False
 
     @property
     def name(self) -> str:
@@ -282,7 +290,7 @@ class Target:
         """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`."""
         array, step = None if self.array is None else imported(self.array), imported(self.step)
         own = fresh_copy(step) if inspect.ismethod(step) else None
-        return opened(own or step, self.calls, array, before, after)
+        return opened(own or step, self.calls, array, before, after, self.keeps)
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:

@@ -134,7 +134,10 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
                 call.moved(None, *np.cos(np.arange(np.prod(shape))).reshape(shape), _SHORT)  # type: ignore[call-arg]
             except Exception:
                 call.column = True
-            yield lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
+            form = lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
+            if {_BODIES, _MASS} & held:
+                form.masses = np.array(_HEAVY)
+            yield form
     elif STATE in held and of_force:
         yield (
             (lambda f, t, y, h: call.solved(f, t, y, h)) if TIME in held else lambda f, y, h: call.solved(f, 0.0, y, h)

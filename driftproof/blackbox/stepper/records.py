@@ -16,6 +16,7 @@ import numpy as np
 from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
+from driftproof.blackbox.stepper.wrapper_parts import is_before
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
@@ -25,20 +26,28 @@ _NEW = re.compile("_?(new|next|out|1)$")
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
     """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
+    found = fields_of(step, call)
+    return _record(*found) if found else None
+
+
+def fields_of(
+    step: Callable[..., Any], call: Callable[[Any], object]
+) -> tuple[str, Any, Sequence[str], Sequence[str]] | None:
+    """The name of such a record, what makes it, the names of its fields, and those that are needed; None if none is."""
     hints: Mapping[str, Any] = {}
     with suppress(Exception):  # foreign annotations may name what does not exist
         hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
     named = next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
     if named is not None:
-        return _record(named.__name__, named, *_fields(named))
+        return named.__name__, named, *_fields(named)
     asked = _Asked()
     with suppress(Exception, SystemExit):
         call(asked)
     keys, attributes = list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
     if keys:
-        return _record("dict", dict, keys, keys)
+        return "dict", dict, keys, keys
     make = dataclasses.make_dataclass("State", attributes) if all(map(str.isidentifier, attributes)) else None
-    return _record("State", make, attributes, attributes) if attributes and make else None
+    return ("State", make, attributes, attributes) if attributes and make else None
 
 
 def _fields(record: Any) -> tuple[list[str], list[str]]:
@@ -107,7 +116,7 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     places = [
         next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
     ]
-    if None in places and len(names) == 2:
+    if None in places and len(names) == 2 and not any(map(is_before, names)):
         places = list(names)
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
@@ -242,6 +251,8 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         if (record := record_of(step, partial(called, None))) is not None:
             free = _form(called, record, False, {}, 1.0)
             yield lambda q, v, h: free(None, q, v, 0.0, h)
+        elif found := fields_of(step, partial(called, None)):
+            yield from _of_numbers(partial(called, None), *found)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
     sign = -1.0 if calling.has_gradient([pushed]) else 1.0
@@ -264,6 +275,28 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         called(asks, (1.0, 0.5))
     if seen and not any(map(np.ndim, seen)):  # a pair, which the step takes apart
         yield _untimed(_form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, {}, sign))
+
+
+def _of_numbers(
+    step: Callable[..., Foreign], name: str, make: Any, names: Sequence[str], needed: Sequence[str]
+) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h), or step(t, y, h), of a record of several numbers, in the order in which it returns them."""
+    if len(needed) <= 2 or any(map(is_before, needed)):
+        return
+    order = list(needed)
+    with suppress(Exception):
+        returned = [*parts_of(step(make(**dict.fromkeys(needed, 0.5))))]
+        order = returned if {*returned} == {*needed} else order
+
+    def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
+        state = make(**dict(zip(order, map(float, y), strict=True)))
+        found = step(state, t, h)
+        parts = parts_of(state if found is None else found)
+        return [parts[each] for each in order]
+
+    form: Any = lambda y, h: moved(0.0, y, h)
+    form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
+    yield form
 
 
 def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:

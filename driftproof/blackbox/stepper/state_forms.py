@@ -105,9 +105,7 @@ def _vector(size: int, name: str, first: int, others: Sequence[float]) -> ArrayA
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = tuple(_vector(size, "vectors", 1, [0.0] * size) for size in (2, 3))
 # For steps of a system that has more numbers built in, such as bodies that attract each other.
-SYSTEMS = tuple(
-    _vector(size, "arrays", 2, [1 / (i + 2) for i in range(size)]) for size in (*range(3, 9), 10, 12, 13, 18)
-)
+SYSTEMS = tuple(_vector(size, "arrays", 2, [1 / (i + 2) for i in range(size)]) for size in (*range(3, 11), 12, 13, 18))
 # How many numbers make one body, one vector or one state of an adapter.
 TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
 TOGETHER |= {each.name: int(each.name.split()[-1]) for each in SYSTEMS}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from driftproof.blackbox.stepper import calling_conventions as calling
@@ -19,10 +20,10 @@ OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"
 _WITHOUT = " a step that takes its right-hand side, which no argument is: def "
 
 
-def wrapper_line(step: Callable[..., Any]) -> str:
-    """The wrapper to write, as the end of an error message; "" if none is known to fit."""
+def wrapper_line(step: Callable[..., Any], own: bool = False) -> str:
+    """The wrapper to write, as the end of an error message, maybe one that keeps the `own` system; "" if none fits."""
     step = owner_of(step)
-    line = object_wrapper(step)
+    line = object_wrapper(step, own)
     if not line and inspect.isclass(step) and (further := further_names(step, advance_of(step))):
         return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
     if not line and not inspect.isclass(step):
@@ -88,6 +89,17 @@ def turn_wrapper(subject: ForeignStepper) -> str:
     return _of_call(
         subject, body, given={calling.FUNCTION: "lambda t, y: turn(f(t, turn(y)))", calling.STATE: "turn(y)"}
     )
+
+
+def substeps_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper of one step of several in a call, by the only count among its defaults; "" if there is none."""
+    given = calling.parameters_of(subject.function) or {}
+    counts = [name for name, x in given.items() if type(x.default) is int and x.default > 1]
+    if len(counts) != 1:
+        return ""
+    found = subject.convention
+    once = replace(subject, convention=replace(found, extra={**found.extra, counts[0]: 1}))
+    return _of_call(once, "return {}", "f" if found.kind == calling.FIELD else "force")
 
 
 def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Mapping[str, str] | None = None) -> str:

@@ -63,6 +63,26 @@ class Corrected(Remembering):
         return value
 
 
+class OfLengths:
+    """Adams-Bashforth of two steps of any lengths, started by Heun; `power` is -1 if their ratio is turned over.
+
+    If `restarts`, it begins anew after a change of h.
+    """
+
+    def __init__(self, power=1, restarts=False):
+        """Nothing remembered yet."""
+        self.power, self.restarts, self.before = power, restarts, None
+
+    def step(self, f, t, y, h):
+        """One step."""
+        slope, (old, length) = f(t, y), self.before or (None, None)
+        self.before = slope, h
+        if old is None or (self.restarts and h != length):
+            return y + h / 2 * (slope + f(t + h, y + h * slope))
+        ratio = (h / length) ** self.power
+        return y + h * ((1 + ratio / 2) * slope - ratio / 2 * old)
+
+
 class Predicted:
     """The trapezoid, corrected once from a prediction with these weights of the last two slopes."""
 

@@ -165,6 +165,19 @@ CHECKS = [
 ]
 
 
+@pytest.mark.parametrize(("made", "passed", "said"), [
+    (planted.OfLengths(), True, "started by heun2"), (planted.OfLengths(restarts=True), True, "started by heun2"),
+    (Remembering(AB2, euler), True, "the first step after a change of h has order 1"),
+    (planted.OfLengths(-1), None, "change of h has order 1, though it takes account of the change"),
+])  # fmt: skip
+def test_a_step_that_takes_account_of_a_change_of_h_has_to_keep_its_order_there(made, passed, said):
+    report = verify(made.step, AB2, isolate=False)
+    assert report.passed is passed
+    assert report.verdict.endswith(said)
+    with pytest.raises(ValueError, match=r"write: wrapped = OfLengths\(\).step$"):  # no run of equal steps
+        verify(planted.OfLengths, AB2, isolate=False)
+
+
 @pytest.mark.slow(keep=4)
 @pytest.mark.parametrize(("made", "key", "lines"), CHECKS, ids=range(len(CHECKS)))
 def test_each_check_shows_its_evidence(made, key, lines):

@@ -116,6 +116,15 @@ def test_what_may_be_rounding_has_a_bound(made, words, places):
     assert parted(lambda subject: read_recurrence(MarkedRuns.of(subject)).name, made, words, places)
 
 
+def test_a_corrector_whose_slope_is_taken_a_step_too_early_is_said_to_be_that():
+    def early(f, t, y, h):
+        return step(lambda at, x: f(t if at == t + h else at, x), t, y, h)
+
+    step = Corrected("adams_moulton3", rk4, BASHFORTH4).step
+    said = "adams_moulton3 except for sigma[3]: the slope that it weighs is taken a step too early, as that of sigma[2]"
+    assert said in read_recurrence(MarkedRuns.of(opened(early))).name
+
+
 def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_read_to():
     method = FACTS_ONLY["adams_bashforth2"]
     exact, off = Recurrence.of(method, BINARY64), "sigma[0]: -0.4999999999999995 instead of -1/2"

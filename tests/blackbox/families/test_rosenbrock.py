@@ -60,12 +60,19 @@ def test_a_wrong_one_fails_with_its_cause(key, how, words):
     assert report.section("Steps: FAILED") is None
 
 
-def test_the_other_root_of_the_equation_for_gamma_is_named_and_no_other_gamma():
-    for g, told in ((1 + 2**-0.5, "1 + 1/2*sqrt(2) instead of 1 - 1/2*sqrt(2)"), (0.5, "")):
+def test_the_other_root_of_the_equation_for_gamma_is_as_good_where_both_have_the_name_and_no_other_gamma():
+    for g, passed in ((1 + 2**-0.5, True), (0.5, False)):
         report = verify(lambda y, f, jac, h, g=g: ros2_by_hand(y, f, jac, h, g), "ros2", isolate=False)
-        named = f"it is ros2 except for the other root: gamma[0][0] = {told}" if told else "it is not a known"
-        assert report.passed is False
-        assert named in report.verdict
+        assert report.passed is passed
+        assert (
+            "is ros2 with gamma[0][0] = 1 + 1/2*sqrt(2), the other root of its equation" in report.verdict
+        ) is passed
+    g, root = 1 + 2**-0.5, -(2**0.5)
+    gamma = {(0, 0): g, (1, 0): -g, (1, 1): g, (2, 0): g * (4 + root), (2, 1): -g * (6 + root), (2, 2): g}
+    places = (np.array([each[i] for each in gamma]) for i in (0, 1))
+    other = rosenbrock("ode23s", gamma=(tuple(places), [*gamma.values()]))
+    near = "ode23s except for the other root: gamma[0][0] = 1 + 1/2*sqrt(2) instead of 1 - 1/2*sqrt(2)"
+    assert near in verify(other, "ode23s", isolate=False).verdict
 
 
 def test_of_several_wrong_entries_the_products_are_told_in_which_they_stand():

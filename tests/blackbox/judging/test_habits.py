@@ -44,6 +44,39 @@ def test_a_velocity_that_is_a_difference_of_positions_is_named_in_the_verdict():
     assert not report.passed
 
 
+class Factored:
+    """Backward Euler by Newton's iteration, whose matrix is that of the first h if it is `kept`."""
+
+    def __init__(self, kept):
+        """Nothing kept yet."""
+        self.kept, self.inverse, self.size = kept, None, None
+
+    def step(self, f, t, y, h):
+        """One step."""
+        if self.inverse is None or (not self.kept and self.size != h):
+            slopes = [(f(t + h, y + 1e-7 * e) - f(t + h, y - 1e-7 * e)) / 2e-7 for e in np.eye(len(y))]
+            self.inverse, self.size = np.linalg.inv(np.eye(len(y)) - h * np.column_stack(slopes)), h
+        z = np.array(y, float)
+        for _ in range(60):
+            moved = self.inverse @ (y + h * f(t + h, z) - z)
+            z = z + moved
+            if np.abs(moved).max() < 1e-14 * (1 + np.abs(z).max()):
+                break
+        return z
+
+
+def test_a_matrix_that_is_kept_where_h_changes_is_shown_by_two_steps_and_is_no_slow_iteration():
+    solved = Allowance(solver_tolerance=1e-10)
+    assert verify(Factored(False).step, "backward_euler", allowance=solved, examples=100, isolate=False).passed
+    report = verify(Factored(True).step, "backward_euler", allowance=solved, isolate=False)
+    assert report.verdict == "is not backward_euler to the tolerance stated; it is, if a new object makes each step"
+    steps = next(line for line in report.text().splitlines() if "to reproduce" in line).partition(": ")[2].split("; ")
+    step = Factored(True).step
+    ends = [eval(each, {"step": step, "numpy": np}) for each in steps]
+    assert len(steps) == 2
+    assert np.abs(ends[-1] - 0.5).max() > 1e-10
+
+
 def test_an_error_too_large_for_a_float_refutes_and_has_no_number_of_digits():
     report = verify(lambda q, v, h: (1e300, v - h * q), "forward_euler", examples=50, isolate=False)
     assert report.passed is False

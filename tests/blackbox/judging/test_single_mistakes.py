@@ -2,6 +2,7 @@
 
 import pytest
 
+from driftproof import stepper_of
 from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, program_of, single_mistakes
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -87,6 +88,26 @@ def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, as_befor
     found = single_mistakes(opened(asked.code), METHODS[key])
     assert 0 < len(found) <= MOST_SHOWN
     as_before(*found, asked)
+
+
+class NeverPushedAgain:
+    """Velocity Verlet with the acceleration that it was made with."""
+
+    def __init__(self, force):
+        """At 1."""
+        self.x, self.v, self.acc = 1.0, 0.0, force(1.0)
+
+    def update(self, dt):
+        """One step."""
+        self.x += self.v * dt + self.acc * dt**2 / 2
+        self.v += self.acc * dt
+
+
+def test_a_slope_that_is_kept_is_no_kick_of_0():
+    step = stepper_of(NeverPushedAgain, position="x", velocity="v", advance="update")
+    subject = opened(step)
+    subject.function.made.acc = 0.0  # as one that was made in a step without a force has it
+    assert single_mistakes(subject, METHODS["velocity_verlet"]) == ()
 
 
 def gives_up(q, v, h):

@@ -115,6 +115,26 @@ def test_a_setting_that_is_not_known_is_named_by_the_error():
         SolverTarget(lambda f, t_span, y0, h, tol: SOLVED).open()
 
 
+class EulerRuns:
+    """Forward Euler in a hundred steps."""
+
+    def __init__(self, f, n=100):
+        self.f, self.n = f, n
+
+    def run(self, t0, y0, t1):
+        h, times, states = (t1 - t0) / self.n, [t0], [np.array(y0, float)]
+        for i in range(self.n):
+            states.append(states[-1] + h * self.f(times[-1], states[-1]))
+            times.append(t0 + (i + 1) * h)
+        return times, np.array(states)
+
+
+@pytest.mark.parametrize("given", [EulerRuns, EulerRuns.run])
+def test_a_run_of_a_class_is_opened_by_the_class_and_by_its_method(given):
+    solution = SolverTarget(given).open().solve(lambda n, t, y: [-x for x in y], (0.0, 1.0), (1.0,))
+    assert solution.y[-1] == pytest.approx((0.99**100,), rel=0.01)  # in as many steps as it chooses
+
+
 def test_a_class_of_solvers_is_refused_with_what_to_hand_over():
     class Stepping:
         def __init__(self, f, t_span, y0):

@@ -87,6 +87,27 @@ def infections(s, i, r, beta, gamma, dt, last=2):
     return tuple(x + dt / 2 * (a + b) for x, a, b in zip((s, i, r), first, rates, strict=True))
 
 
+STIFF = np.array([[3.0, -1.0], [-1.0, 1.0]])
+
+
+def storeys(u, v, dt, late=0.0):
+    """The midpoint rule of two storeys, whose matrix takes vectors of two alone."""
+    return u + dt * (v - dt / 2 * STIFF @ u), v - dt * STIFF @ (u + dt / 2 * (v - late * v))
+
+
+def spinor(psi, dt, share=1.0):
+    """Heun's method of two complex amplitudes."""
+    k1 = -1j * (STIFF @ psi)
+    return psi + dt / 2 * (k1 - 1j * share * (STIFF @ (psi + dt * k1)))
+
+
+def epidemic(state, dt, late=False):
+    """Forward Euler of a dict of three numbers."""
+    s, i = state["S"], state["I"]
+    moved = i + dt * (s * i - i)
+    return {"S": s - dt * s * i, "I": moved, "R": state["R"] + dt * (moved if late else i)}
+
+
 def orbit(x, y, vx, vy, dt, stale=False):
     """Velocity Verlet in the plane, one coordinate after the other."""
     cube = (x * x + y * y) ** 1.5
@@ -104,8 +125,12 @@ READ = [
     (level, "forward_euler", "the state: h;", None), (decay, "forward_euler", "the state: N;", None),
     (decay_twice, "forward_euler", "the state: N;", False),
     (heated, "forward_euler", "one of 4 numbers", None), (heated_in_place, "forward_euler", "one of 4 numbers", False),
-    (wave(), "forward_euler", "one of 8 numbers", None), (wave(False), "forward_euler", "one of 8 numbers", False),
+    (wave(), "forward_euler", "one of 6 numbers", None), (wave(False), "forward_euler", "one of 6 numbers", False),
     (infections, "heun2", "one of 3 numbers", None), (partial(infections, last=0), "heun2", "one of 3 numbers", False),
+    (storeys, "midpoint2", "one of 4 numbers", None), (partial(storeys, late=1.0), "midpoint2", "one of 4 n", False),
+    (spinor, "heun2", "one of 4 numbers", None), (partial(spinor, share=0.5), "heun2", "one of 4 numbers", False),
+    (epidemic, "forward_euler", "the state: S, I, R of a dict", None),
+    (partial(epidemic, late=True), "forward_euler", "one of 3 numbers", False),
     (orbit, "velocity_verlet", "one of 4 numbers", None),
     (partial(orbit, stale=True), "velocity_verlet", "one of 4 numbers", False),
     (driven_by_time, "forward_euler", "one of 3 numbers", None),

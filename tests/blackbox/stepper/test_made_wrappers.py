@@ -72,6 +72,17 @@ class KeptVerlet:
 def bashforth(f, t, y, y_prev, h):
     return y + h / 2 * (3 * f(t, y) - f(t - h, y_prev))
 
+@dataclass(frozen=True)
+class Placed:
+    x: float
+    x_old: float
+
+def of_places(p: Placed, accel, dt):
+    return Placed(2 * p.x - p.x_old + dt**2 * accel(p.x), p.x)
+
+def of_previous(p, accel, dt):
+    return {"x": 2 * p["x"] - p["previous"] + dt**2 * accel(p["x"]), "previous": p["x"]}
+
 class VerletPoint:
     def __init__(self, x, x_prev):
         self.x, self.x_prev = x, x_prev
@@ -197,6 +208,11 @@ WRAPPED = {  # the method that each is, and the line that it is shown, or its en
         "def wrapped(f, t, y, h, n): ys = [y, y + h * f(t + h / 2, y + h / 2 * f(t, y))]; "
         "[ys.append(bashforth(f, t + i * h, ys[-1], ys[-2], h)) for i in range(1, n)]; return ys  # a run of n steps, "
         "whose first is one of midpoint2"),
+    "of_places": ("stormer2", "[v, *((b - a) / h for a, b in zip([y.x for y in ys], [y.x for y in ys[1:]]))]"),
+    "of_previous": ("stormer2",
+        "def wrapped(force, q, v, h, n): ys = [dict(x=q, previous=q - h * v + h**2 / 2 * force(q))]; "
+        "[ys.append(of_previous(ys[-1], force, h)) for i in range(n)]; return [y['x'] for y in ys], "
+        "[v, *((b - a) / h for a, b in zip([y['x'] for y in ys], [y['x'] for y in ys[1:]]))]"),
     "VerletPoint": ("stormer2",
         "def wrapped(force, q, v, h, n): made = VerletPoint(q, q - h * v + h**2 / 2 * force(q)); "
         "ys = [q]; [ys.append((made.advance(force, h), 1.0 * made.x)[1]) for i in range(n)]; "
