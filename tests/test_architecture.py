@@ -69,7 +69,7 @@ BUDGETS = {
     "methods": 5555,
     "symbolic": 10923,
     "numeric": 4356,
-    "blackbox": 22530,
+    "blackbox": 22528,
     "enclosure": 5435,
     "texts": 10929,
 }

@@ -265,13 +265,9 @@ def _compared(
     return StepFinding(not far, far or f"is {key} on the system given{words}{pushed}, {counted}")
 
 
-def left_at_one(subject: ForeignStepper, system: Callable[..., Any] | str) -> str:
-    """The remark on parameters of the step that are 1 because the system does not take them; "" if there are none."""
-    left = [name for name in subject.parameters if name not in _Given.of(system, subject).values]
-    if not left:
-        return ""
-    takes = f"a system that takes {', '.join(left)} besides y is held to other values"
-    return f"remark: set to 1, where a mistake in their use may not show: {', '.join(left)}; {takes}"
+def left_at_one(subject: ForeignStepper, system: Callable[..., Any] | str) -> tuple[str, ...]:
+    """The parameters of the step that are 1 because the system does not take them."""
+    return tuple(name for name in subject.parameters if name not in _Given.of(system, subject).values)
 
 
 def report_on_system(runner: IsolatedRunner, wanted: Specification, system: Callable[..., Any] | str) -> Report:
@@ -284,6 +280,10 @@ def report_on_system(runner: IsolatedRunner, wanted: Specification, system: Call
     words, key = steps.result.words if steps.result else steps.seen, wanted.method.key
     missing = NO_EVIDENCE.get(steps.kind or "", _NEEDED) if is_open else ""
     holds = steps.result.holds if steps.result else None if is_open else False
+    if holds and left.result:
+        names = ", ".join(left.result)
+        words = f"with {names} set to 1, where a mistake in their use does not show, it {words}"
+        holds, missing = None, f"a system that takes {names} besides y, for other values"
     checks = [Criterion("Steps on the system given", holds, (words,), {}, missing)]
     if again.result is not None:
         checks.append(Criterion("First call", again.result.holds, (again.result.words,), {}))
@@ -293,6 +293,4 @@ def report_on_system(runner: IsolatedRunner, wanted: Specification, system: Call
         words if passed else f"is not {key}: {failed[0]}" if failed else f"{UNDECIDED} whether it is {key}: {words}"
     )
     parts, data = criteria_parts(checks, passed)
-    remarks = [left.result] if passed and left.result else []
-    verdict = "; ".join([verdict, *remarks])
-    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": remarks})
+    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": []})
