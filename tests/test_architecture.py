@@ -73,7 +73,7 @@ BUDGETS = {
     "enclosure": 5435,
     "texts": 10929,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6061
+BUDGET_OF_REPORTS_AND_FRONT = 6069
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -45,6 +45,8 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
     work = element("div", figure, work_table(found, stated_orders(methods)), class_="beside")
+    if not all(method.explicit for method in methods):
+        work += element("p", "Calls are those of f; Jacobian matrices are computed by formulas.", class_="note")
     kinks = element("p", escaped(kinks_of(problem)), class_="note")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)

@@ -107,7 +107,8 @@ def _sentence(curve: Curve) -> str:
 def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> str:
     """A row per method: the order stated and measured, the fewest evaluations for each goal, or why it has none."""
     header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
-    rows = []
+    rows, fewest = [], {curve.key: [_fewest_calls(curve, 10.0**goal) for goal in _GOALS] for curve in found}
+    least = [min((calls for calls in of_goal if calls), default=0) for of_goal in zip(*fewest.values(), strict=True)]
     for curve in found:
         if curve.refused:
             rows.append([curve.title, "does not apply", *[""] * (len(header) - 2)])
@@ -115,13 +116,18 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
         measured = f"not settled ({x.least:.3f} to {x.largest:.3f})" if x and x.largest - x.least >= 1 else measured
         most = max((point.steps or 0 for point in curve.points), default=0)
-        enough = [[p.evaluations for p in lasting(curve.points, 10.0**g) if p.evaluations] for g in _GOALS]
-        fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
-        rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
-    table = html_table([header, *rows], "Orders, and the least work measured", "orders")
+        pairs = zip(fewest[curve.key], least, strict=True)
+        cells = [f"{calls}{' *' * (calls == best)}" if calls else f"not with {most} steps" for calls, best in pairs]
+        rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *cells])
+    table = html_table([header, *rows], "Orders, and the least work measured (* the least)", "orders")
     notes = [f"{c.title}: {c.refused}" for c in found if c.refused]
     notes += [f"First values of {c.title}: steps of {c.started}" for c in found if c.started]
     return element("div", table, *(element("p", escaped(note), class_="note") for note in notes)) if notes else table
+
+
+def _fewest_calls(curve: Curve, goal: float) -> int:
+    """The fewest evaluations with which the error at the end lasts below the goal; 0 if none does."""
+    return min((p.evaluations for p in lasting(curve.points, goal) if p.evaluations), default=0)
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:

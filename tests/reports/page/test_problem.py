@@ -87,6 +87,8 @@ def test_a_method_that_does_not_apply_has_the_reason_and_no_points():
     assert f'<p class="note">Velocity Verlet: {why}</p>' in shown
     assert len([row for row in cells(shown) if row[1].startswith("does not apply: ars222 is an IMEX")]) == 1
     assert "First values of BDF, 2 steps: steps of radau_iia2" in shown
+    assert "Jacobian matrices are computed by formulas" in shown
+    assert "Jacobian" not in report(PROBLEMS["dahlquist_1"], methods="rk4").html
     assert ": none. Classical RK4: from " in shown
 
 

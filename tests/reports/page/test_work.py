@@ -1,5 +1,6 @@
 """The panel of work: numbers of steps are halved and doubled, and errors are measured from the scene's own start."""
 
+from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import pairwise
 from math import cos, hypot, sin
@@ -41,7 +42,10 @@ def test_work_of_a_scene_that_runs_backwards_or_nowhere_is_refused():
 def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told():
     seen = ((8, 1.2e-3), (16, 1e-3), (24, 1.2e-6), (32, 5e-7))
     found = [Curve("c", "C", 0, [Point(str(n), 4 * n, {STATE: Size(x, x)}, steps=n) for n, x in seen])]
-    assert "<td>64</td><td>128</td>" in work_table(found)
+    assert "<td>64 *</td><td>128 *</td>" in work_table(found)
+    dearer = replace(found[0], key="d", points=[replace(p, evaluations=2 * p.evaluations) for p in found[0].points])
+    assert "<td>64 *</td><td>128 *</td>" in (both := work_table([*found, dearer]))
+    assert "<td>128</td><td>256</td>" in both
     assert "<td>3</td>" in work_table(found, {"c": 3})
     figure = work_figure(found, "id", Q(1), 16)
     assert figure.description.endswith("C: from 0.001 at 32 to 5.0e-7 at 128.")
