@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4356,
     "blackbox": 22528,
     "enclosure": 5435,
-    "texts": 10929,
+    "texts": 10953,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6069
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

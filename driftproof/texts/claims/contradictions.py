@@ -51,10 +51,10 @@ _PLAIN = re.compile(r"midpoint of |3/8(?! (?:rule|method|runge))")
 # A method with its order in brackets, as in RK(4).
 _BY_ORDER = re.compile(r"\b(rk|ab|am|bdf)\(([1-9])\)")
 # What a text says about the first values of a multistep method.
-STARTING = re.compile(
-    r"(?:(?![.;,]\s)[^|()]){0,60}\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
-    r"(?:(?!\.\s|;\s(?!we\b))[^|()]){0,100}"
-)
+_START = r"\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
+STARTING = re.compile(rf"(?:(?![.;,]\s)[^|()]){{0,60}}{_START}(?:(?!\.\s|;\s(?!we\b))[^|()]){{0,100}}")
+# Where the sentence goes on with another subject.
+_OF_OTHERS = re.compile(rf"{_START}.*?,\s(?=(?:and|but|while|whereas)\b)", re.DOTALL)
 _STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
@@ -243,7 +243,11 @@ def without_starters(text: str) -> str:
     def blank(name: re.Match[str]) -> str:
         return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
 
-    return STARTING.sub(lambda clause: spoken_names().sub(blank, clause[0].replace("-", " ")), text)
+    def without(clause: re.Match[str]) -> str:
+        end = found.end() if (found := _OF_OTHERS.search(clause[0])) else len(clause[0])
+        return spoken_names().sub(blank, clause[0][:end].replace("-", " ")) + clause[0][end:]
+
+    return STARTING.sub(without, text)
 
 
 def starters_said(text: str) -> set[str]:

@@ -51,6 +51,12 @@ _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)
 _UNKNOWN = re.compile(rf"{_NAME}\Z")
 # The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
 _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
+# Step sizes in a list, and numbers in one.
+_SIZES = re.compile(
+    rf"(?:\bh|[dδ]t)\s?=\s?{POSITIVE}(?:(?:, (?:and )?| and | to | or )(?:(?:h|[dδ]t)\s?=\s?)?{POSITIVE})+"
+)
+_JOINED = r"(?:, (?:and )?| and | to )"
+_LISTED = r"-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?"
 # A time is also given by the value of an unknown then, as in y(1).
 _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
@@ -319,6 +325,8 @@ def _settings(
         if not near[x] and any(len({*line}) > 1 for line in [*filter(None, lines)][-1:]):
             continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
         settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
+    if not row and (size := _size_in_order(before, after)):
+        settings["h"], near["h"] = size, [str(size)]
     counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     if row:
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
@@ -334,3 +342,14 @@ def _settings(
         settings["t"], near["t"] = Fraction(0), ["0"]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)
+
+
+def _size_in_order(before: str, after: str) -> Fraction | None:
+    """The step size of a number in a list behind a list of as many, as in "for h = 1 and 0.5 they are 0.2 and 0.1"."""
+    sizes = [*_SIZES.finditer(before)]
+    runs = re.search(rf"(?:{_LISTED}{_JOINED})*\Z", before), re.match(rf"(?:{_JOINED}{_LISTED})*", after)
+    if not sizes or not all(runs) or (runs[0] and runs[0].start() < sizes[-1].end()):
+        return None
+    given = re.findall(POSITIVE, re.sub(r"[a-zδ]", "", sizes[-1][0]))
+    at, rest = (len(re.findall(_LISTED, run[0] if run else "")) for run in runs)
+    return Fraction(given[at]) if len(given) == at + 1 + rest else None

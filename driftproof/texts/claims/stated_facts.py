@@ -158,7 +158,8 @@ def _limit_said(
     fact, of_h = fact_of(equation.limit, methods), (bound["by"] or "h") == "h"
     if not fact or (of_h and not equation.size):
         return None
-    return f"{fact} / {equation.size}" if of_h and equation.size != "1" else fact
+    size = f"({equation.size})" if "/" in equation.size else equation.size
+    return f"{fact} / {size}" if of_h and size != "1" else fact
 
 
 def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:

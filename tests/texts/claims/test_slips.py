@@ -1,5 +1,7 @@
 """What numbers in tables and in prose are claimed to be, and which are slips for what their place names."""
 
+import re
+
 import pytest
 
 from driftproof.texts.claims.suggestions import Suggestions
@@ -413,3 +415,33 @@ def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_
     claimed = [any(one.strong for one in suggestions.look_alikes(x)[:1]) for x in numbers]
     assert claimed == [*(x not in changed for x in RIGHT[:-1]), False]
     assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())
+
+
+COOLS = "We solve T' = -0.1 (T - 20) with T(0) = 90.\n\n"
+OF_TWO = "h = 2 and h = 1", "2.8140", "1.3441"
+LISTS_OF_SIZES = [
+    ("The errors of Euler at t = 10 for {} are {} and {}.", *OF_TWO),
+    ("Going from {} the error of Euler at t = 10 falls from {} to {}.", "h = 2 to h = 1", *OF_TWO[1:]),
+    ("For {}, respectively, Euler has at t = 10 the errors {} and {}.", "h = 2 and 1", *OF_TWO[1:]),
+]
+
+
+@pytest.mark.parametrize(("said", "sizes", "coarse", "fine"), LISTS_OF_SIZES)
+def test_numbers_of_a_list_are_of_the_step_sizes_of_a_list_before_in_their_order(said, sizes, coarse, fine):
+    claimed, slips = claims_and_slips(COOLS + said.format(sizes, coarse, fine))
+    assert [re.search("h=([12])", claimed[x])[1] for x in (coarse, fine)] == ["2", "1"]
+    assert slips == {}
+    claimed, slips = claims_and_slips(COOLS + said.format(sizes, fine, coarse))
+    assert (claimed[fine], claimed[coarse]) == ("", "")
+    assert {*slips} == {fine, coarse}
+
+
+@pytest.mark.parametrize("goes_on", ["and explicit Euler with the same step at", "while explicit Euler comes to"])
+def test_another_method_of_the_sentence_is_no_start_of_a_multistep_one(goes_on):
+    text = (
+        "x'' = (1 - x^2) x' - x, x(0) = 2, x'(0) = 0 with h = 0.2.\n\nAB2, started with one step of Heun, arrives at "
+    )
+    claimed, _ = claims_and_slips(f"{text}x = 1.51333 for t = 1, {goes_on} x = 1.53680.")
+    assert [claimed[x][:12] for x in ("1.51333", "1.53680")] == ["run adams_ba", "run forward_"]
+    claimed, _ = claims_and_slips(f"{text}x = 1.53680 for t = 1, {goes_on} x = 1.51333.")
+    assert [claimed[x] for x in ("1.51333", "1.53680")] == ["", ""]

@@ -18,6 +18,8 @@ from driftproof.texts.readers.numbers import numbers_in
         ("y' = -1000 (y - cos t), y(0) = 0: RK4 is stable if h ≤ [0.002758].", "real_limit rk4 / 1000", "0.002785"),
         ("y' = -1000 (y - cos t), y(0) = 0: RK4 is stable if h ≤ [0.0027].", "real_limit rk4 / 1000", None),
         ("On x'' = -4x Verlet's velocity Verlet is stable for h ≤ [1].", "imaginary_limit velocity_verlet / 2", None),
+        ("On y' = -2.5y, Euler is stable for h ≤ [0.8].", "real_limit forward_euler / (5/2)", None),
+        ("On y' = -y/10, Euler is stable for h ≤ [20].", "real_limit forward_euler / (1/10)", None),
         ("On x'' = -x, RK4 is stable for h ≤ [2.785].", "imaginary_limit rk4", "2.828"),
         ("On y' = -2y RK4 blows up for h > [1.4142].", "real_limit rk4 / 2", "1.3926"),
         ("On y' = -2y RK4 blows up for h > [1.5].", "real_limit rk4 / 2", None),  # that it does
