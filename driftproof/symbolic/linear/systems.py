@@ -354,9 +354,8 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return spectral_radius(_similar(matrix, h * h * Fraction(place.minimal[0], place.minimal[2])))
 
     def ball() -> arb:
-        y = (
-            ball_of(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(ball_of(eigenvalue)))
-        ) * as_fmpq(h)
+        z = ball_of(eigenvalue) * as_fmpq(h)
+        y = z / acb(0, 1) if isinstance(place, Complex) else acb(abs(z))
         (a, b), (c, d) = ([at_complex_ball(e.num, y) / at_complex_ball(e.den, y) for e in row] for row in matrix)
         half, square = (a + d) / 2, (a - d) * (a - d) + 4 * b * c
         root = (square.sqrt() if square.real > 0 else (-square).sqrt() * acb(0, 1)) / 2  # off the branch cut
