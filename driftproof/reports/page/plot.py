@@ -129,9 +129,9 @@ class Axis:
         return zip(self.ticks, self.labels or [label(tick) for tick in self.ticks], strict=True)
 
     def marks(self) -> list[Fraction]:
-        """The places of marks without a label: every power of ten on a logarithmic axis, else between the ticks."""
+        """The places of marks without a label: every power of ten, if they have room, else parts between the ticks."""
         step = self.ticks[1] - self.ticks[0]
-        parts = step if self.labels else _PARTS[int(step / Fraction(10) ** decade(step))]
+        parts = step if self.labels and step <= 10 else _PARTS[int(step / Fraction(10) ** decade(step))]
         unit, (low, high) = step / parts, (self.scale.low, self.scale.high)
         every = (n * unit for n in range(ceil(low / unit), floor(high / unit) + 1))
         return [x for x in every if x not in self.ticks]

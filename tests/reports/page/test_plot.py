@@ -147,6 +147,8 @@ def test_marks_part_the_distances_between_labels():
     axis = decades(-13, 1, "error", (left, right))
     assert next(iter(axis.labelled())) == (-12, "10⁻¹²")
     assert len(axis.marks()) + len(axis.ticks) == 15, "every power of ten"
+    axis = decades(-324, -10, "error", (left, right))
+    assert {b - a for a, b in pairwise(sorted([*axis.marks(), *axis.ticks]))} == {10}
     assert decades(0, 2, "x", (left, right)).marks() == []
     assert [decades(0, high, "x", (left, right)).ticks[:2] for high in (6, 8)] == [[0, 2]] * 2, "four at least"
     for values, ends in (([0.0], (0, 2)), ([-3.5, 1.2], (-4, 2)), ([1.0, 3.0], (1, 3)), ([0.5, 1.5], (0, 2))):
