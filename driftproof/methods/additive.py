@@ -24,7 +24,6 @@ class Additive(Staged):
     rows: ClassVar[tuple[str, ...]] = ("b_explicit", "b_implicit", "b_explicit_embedded", "b_implicit_embedded")
     leading_row: ClassVar[str] = "b_explicit"
     kind: ClassVar[str] = "an IMEX method, whose step takes two right-hand sides"
-    explicit: ClassVar[bool] = False
     a_explicit: tuple[tuple[Exact, ...], ...]
     a_implicit: tuple[tuple[Exact, ...], ...]
     b_explicit: tuple[Exact, ...]

@@ -28,7 +28,6 @@ class Rosenbrock(Staged):
     rows: ClassVar[tuple[str, ...]] = ("b", "b_embedded")
     leading_row: ClassVar[str] = "b"
     kind: ClassVar[str] = "a Rosenbrock method, whose step takes a Jacobian"
-    explicit: ClassVar[bool] = False
     alpha: tuple[tuple[Exact, ...], ...]
     gamma: tuple[tuple[Exact, ...], ...]
     b: tuple[Exact, ...]

@@ -79,8 +79,8 @@ def linear_equations(text: str) -> list[Linear]:
 
     The size is "" for a letter that has no value.
 
-    >>> linear_equations("RK4 on y' = -50y and x'' = -4x")[0]
-    Linear(at=0, limit='real_limit', size='50')
+    >>> linear_equations("On y' = -50y RK4 needs h <= 0.05.")
+    [Linear(at=4, limit='real_limit', size='50')]
     """
     found = list[Linear]()
     for problem in stated_problems(text):
