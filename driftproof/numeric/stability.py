@@ -114,8 +114,15 @@ def observe(
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:
-    """True if the powers of a linear problem's float step, the matrix of its steps from unit vectors, stay bounded."""
-    return powers_stay_bounded(np.array([advance(tuple(unit), h, 0, 1) for unit in np.eye(components).tolist()]).T)
+    """True if the powers of a linear problem's float step, the matrix of its steps from unit vectors, stay bounded.
+
+    A step without a solution does not.
+    """
+    try:
+        steps = [advance(tuple(unit), h, 0, 1) for unit in np.eye(components).tolist()]
+    except ArithmeticError:
+        return False
+    return powers_stay_bounded(np.array(steps).T)
 
 
 def powers_stay_bounded(matrix: _Matrix) -> bool:

@@ -195,6 +195,7 @@ def test_growth_is_seen_from_its_resolution_on() -> None:
     assert not powers_stay_bounded(diagonal(1 + 2 * resolution))
     grows = lambda y, h, first, last: ((1 + 0.75 * resolution) ** (last - first) * y[0],)
     assert stays_bounded(grows, 1, 0.1), "of one step, and not of two"
+    assert not stays_bounded(lambda y, h, first, last: (y[0] / (h - 0.1),), 1, 0.1), "no step"
 
 
 @pytest.mark.parametrize(("n", "edge"), [(2, (2**53 / 8) ** 0.5), (3, (2**53 / 189) ** 0.25)])

@@ -41,7 +41,10 @@ class MultistepSystemFacts(LinearSystem):
 
     def part_is_bounded(self, eigenvalue: Eigenvalue, h: Fraction) -> bool:
         """True if solutions of one eigenvalue or pair are bounded. May raise UndecidedLimitError."""
-        p = self._solutions(eigenvalue.place.minimal, h)
+        minimal = eigenvalue.place.minimal
+        p = self._solutions(minimal, h)
+        if p.degree() < self.method.steps * (len(minimal) - 1):
+            return False  # hλ = ρₖ/σₖ: the step has no new value
         # On the circle dζ/dz = σ/(ρ' - zσ') is not 0, as ζ is no root of both; so a Jordan block makes n ζⁿ of it.
         return root_condition(p).holds if eigenvalue.block == 1 else _inside(p)
 

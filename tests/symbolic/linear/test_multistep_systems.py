@@ -94,6 +94,12 @@ def test_roots_on_the_circle_are_a_factor_of_exactly_one_but_for_a_jordan_block(
     assert facts("adams_bashforth2", "-1 1; 0 -1").bounded_at(Q(1, 3))
 
 
+def test_a_step_without_a_new_value_is_not_bounded():
+    """Of BDF2, 3/2 y = hλy + ...: at hλ = 3/2 nothing is left of the newest value."""
+    assert not facts("bdf2", "3").bounded_at(Q(1, 2))
+    assert facts("bdf2", "3").bounded_at(Q(2))
+
+
 def test_a_common_factor_is_not_looked_past():
     double = Multistep("double", "", 1, "", rho=(1, -2, 1), sigma=(-1, 1, 0))  # forward Euler, times ζ - 1
     found = MultistepSystemFacts(double, [[Q(-1)]])
