@@ -17,7 +17,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import step_control
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.field_loops import field_writers
-from driftproof.numeric.loops import loop
+from driftproof.numeric.loops import loop, maker_of_rows
 from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempt, collocation_table, work_for
 from driftproof.numeric.step_control import (
     PairTable,
@@ -85,7 +85,7 @@ def controlled_runner(method: Method, field: VectorField, *, compiled: bool = Fa
         attempt, table = collocation_attempt, CollocationTable(*map(np.array, known)) if compiled else known
         power, steady, work = len(known.c) + 1.0, STEADY, partial(work_for, table=known, writers=writers)
     steps = partial(loop(controlled_steps, compiled=compiled), writers, loop(attempt, compiled=compiled))
-    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    made = maker_of_rows(compiled=compiled)
     return ControlledRun(method, steps, power, steady, table, work, made)
 
 

@@ -40,7 +40,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.engine import EnsembleRun, FloatArray, in_threads, require_ensemble
 from driftproof.numeric.field_loops import field_writers
-from driftproof.numeric.loops import FieldWriters, loop
+from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
 from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
@@ -164,10 +164,9 @@ def implicit_runner(method: Method, field: VectorField, *, compiled: bool = Fals
     takes some ten seconds; other methods on that field need no more.
     """
     table, run = _table(method), _on_field(run_steps, field, compiled=compiled)
-    if not compiled:
-        return ImplicitRun(method.key, run, table, list)
-    arrays = StepTable._make((*map(np.array, table[:4]), table.way))
-    return ImplicitRun(method.key, run, arrays, lambda x: np.array(x, np.float64))
+    if compiled:
+        table = StepTable._make((*map(np.array, table[:4]), table.way))
+    return ImplicitRun(method.key, run, table, maker_of_rows(compiled=compiled))
 
 
 def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:

@@ -53,6 +53,11 @@ def _linked(function: Callable[..., Any], compile_: Callable[..., Any]) -> Calla
     return compile_(bound)  # type: ignore[no-any-return]
 
 
+def maker_of_rows(*, compiled: bool) -> Callable[[Any], Any]:
+    """The function that makes rows from numbers, or from rows: a list or, for compiled loops, an array."""
+    return (lambda x: np.array(x, np.float64)) if compiled else list
+
+
 def allocators(*, compiled: bool) -> tuple[Allocator, Allocator]:
     """The functions that allocate rows of zeros, and of integers: lists or, for compiled loops, arrays."""
     return (loop(_arrays, compiled=True), loop(_integers, compiled=True)) if compiled else (_lists, _lists)

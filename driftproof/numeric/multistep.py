@@ -8,8 +8,6 @@ from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple, TypeAlias
 
-import numpy as np
-
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import Method, MethodError
@@ -17,7 +15,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import NO_STEP, require_done
-from driftproof.numeric.loops import FieldWriters, loop
+from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
 from driftproof.numeric.newton import Equations, solved_group
 
 _State: TypeAlias = tuple[float, ...]
@@ -127,7 +125,7 @@ def multistep_runner(
     if method.derivative != 1:
         raise MethodError(f"{method.key} is for y'' = F(y) and gives positions only; methods for y' = f can be run")
     first, (*rho, leading), (*sigma, newest) = start_of(method), method.rho, method.sigma
-    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    made = maker_of_rows(compiled=compiled)
     states, slopes = (made([float(x / leading) for x in row]) for row in ([-x for x in rho], sigma))
     table = MultistepTable(states, slopes, float(newest / leading))
     writers = field_writers(system, compiled=compiled)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache, partial
 from itertools import pairwise
 from math import isfinite
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.vector_fields import VectorField
@@ -16,7 +13,7 @@ from driftproof.numeric import newton
 from driftproof.numeric.elimination import Band, factored, solve
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import ImplicitRun
-from driftproof.numeric.loops import FieldWriters, loop
+from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
 
 
 class RosenbrockTable(NamedTuple):
@@ -31,7 +28,7 @@ class RosenbrockTable(NamedTuple):
 
 def rosenbrock_runner(method: Rosenbrock, field: VectorField, *, compiled: bool = False) -> ImplicitRun:
     """The loop of a Rosenbrock method on floats or, with the same bits, compiled; J and ∂f/∂t are exact formulas."""
-    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    made = maker_of_rows(compiled=compiled)
     stages = max((i for i, x in enumerate(method.b, 1) if x), default=1)  # those behind are for an error estimate
     alpha, gamma = ([[*map(float, row)] for row in rows[:stages]] for rows in (method.alpha, method.gamma))
     anew = [True, *(before != row for before, row in pairwise(method.alpha[:stages]))]

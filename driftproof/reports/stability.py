@@ -127,7 +127,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
         **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
         "expected": expected_of(problem, method),
         **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
-        "runs": [_run_answer(problem, method, runs, found, steps) for steps in counts],
+        "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
     }
 
 
@@ -212,7 +212,7 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
 
 def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     start, extent = float_start(problem), largest_state_size(problem)
-    least = _least_steps(method)
+    least = runs.method.steps if isinstance(runs, MultistepRun) else 1  # fewer are those of the start
 
     def follows(steps: int) -> bool:
         if steps < least:
@@ -224,12 +224,7 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _least_steps(method: Entry) -> int:
-    """The steps of a run with a step of the method's own; those before them are of another method."""
-    return method.steps if isinstance(method, Multistep) else 1
-
-
-def _run_answer(problem: Problem, method: Entry, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
+def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
     h = step_times(problem.t, steps).h
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
@@ -241,7 +236,7 @@ def _run_answer(problem: Problem, method: Entry, runs: Advance, found: LinearSys
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
         "lost": error > largest_state_size(problem),
-        **({"only": runs.start_method.key} if steps < _least_steps(method) and isinstance(runs, MultistepRun) else {}),
+        **({"only": runs.start_method.key} if isinstance(runs, MultistepRun) and steps < runs.method.steps else {}),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }
 

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import enclosable, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed
+from driftproof.enclosure.evaluations import Refused
 from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.values_in_balls import STATE, in_balls
 from tests.looping import exactly
 
-STATE = (0.625, 1.5, -0.25)
 MASSES = np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 0.3]])
 
 
@@ -36,12 +34,6 @@ FIELDS = {
     "float": lambda t, y: [float(y[0]) * float("0.5"), float(np.array(y[1])), isinstance(y[2] * 0 == 0, float)],
     "types": lambda t, y: np.asarray(y, dtype=float) + np.zeros(3, float) + isinstance(0.5, int | float),
 }
-
-
-def in_balls(f):
-    evaluation = Evaluation()
-    state = [Enclosed(evaluation, arb(x)) for x in STATE]
-    return [arb(x.value) for x in enclosed_rates(enclosable(f), Enclosed(evaluation, arb(0.75)), state)]
 
 
 @pytest.mark.parametrize("name", FIELDS)

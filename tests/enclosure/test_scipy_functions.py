@@ -10,17 +10,15 @@ from flint import arb, ctx
 from scipy import signal, sparse, special
 from scipy.signal import square
 
-from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import enclosable, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from tests.enclosure.integrals import END, integral, off
+from tests.enclosure.values_in_balls import STATE, in_balls
 from tests.looping import exactly
 
 PERIOD = 2 * Fraction(np.pi)
-STATE = (0.625, 1.5, -0.25)
 FULL = np.array([[0.5, 0.0, -1.0], [0.0, 0.1, 0.0], [2.0, 0.0, 0.3]])
 A, B = sparse.csr_matrix(FULL), sparse.csc_array(FULL)
 
@@ -69,12 +67,6 @@ PRODUCTS = {
     ),
     "waves": lambda t, y: signal.square(y, 0.25) + signal.sawtooth(np.array([0.5, 1.0, 2.0])) + signal.sawtooth(y, 0.3),
 }
-
-
-def in_balls(f):
-    evaluation = Evaluation()
-    state = [Enclosed(evaluation, arb(x)) for x in STATE]
-    return [arb(x.value) for x in enclosed_rates(enclosable(f), Enclosed(evaluation, arb(0.75)), state)]
 
 
 @pytest.mark.parametrize("name", PRODUCTS)

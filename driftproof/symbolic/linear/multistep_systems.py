@@ -70,10 +70,13 @@ class MultistepSystemFacts(LinearSystem):
             return Fraction(0) if newest else INFINITY
         return EnclosedReal(lambda: _largest_root([acb(as_fmpq(x)) for x in self.method.sigma]))
 
-    def _solutions(self, minimal: Minimal, h: Fraction) -> Polynomial:
-        """The polynomial whose roots are the ζ of all roots λ of `minimal`. May raise UndecidedLimitError."""
+    def _require_irreducible(self) -> None:
         if self._facts.common_factor is not None:
             raise UndecidedLimitError("rho and sigma have a common factor, whose solutions are not looked at")
+
+    def _solutions(self, minimal: Minimal, h: Fraction) -> Polynomial:
+        """The polynomial whose roots are the ζ of all roots λ of `minimal`. May raise UndecidedLimitError."""
+        self._require_irreducible()
         rho, sigma, degree = polynomial(self.method.rho), polynomial(self.method.sigma) * as_fmpq(h), len(minimal) - 1
         return sum((c * rho**i * sigma ** (degree - i) for i, c in enumerate(minimal)), fmpq_poly())
 
@@ -85,8 +88,7 @@ class MultistepSystemFacts(LinearSystem):
 
     def _decided_bound(self, eigenvalue: Eigenvalue) -> Bound:
         facts, place, block, real = self._facts, eigenvalue.place, eigenvalue.block, ball_of(eigenvalue).real
-        if facts.common_factor is not None:
-            raise UndecidedLimitError("rho and sigma have a common factor, whose solutions are not looked at")
+        self._require_irreducible()
         if not facts.zero_stable or (place == ZERO_ROOT and block > 1):
             return NEVER
         if place == ZERO_ROOT:

@@ -58,11 +58,11 @@ _OF_OTHERS = re.compile(rf"{_START}.*?,\s(?=(?:and|but|while|whereas)\b)", re.DO
 _STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
-_NUMBER = (
+LISTED_NUMBER = (
     r"(?<![\w.^])[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?(?:e[-+]?[0-9]+|(?: ?[×·] ?10\^\{?-?[0-9]+\}?))?(?![\w.]*\w)%?"
 )
 _JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or|/) )"
-_SETTINGS = re.compile(rf"\b\w+ ?= ?{_NUMBER}")
+_SETTINGS = re.compile(rf"\b\w+ ?= ?{LISTED_NUMBER}")
 _NO_SUBJECT = re.compile(
     r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
 )
@@ -202,6 +202,12 @@ def last_methods_named(*texts: str) -> set[str]:
     return next((found[-1][1] for text in texts if (found := _named(text))), set())
 
 
+def rest_of_list(before: str, after: str, joined: str = _JOINED) -> tuple[str, str]:
+    """What stands before a number, and after it, of a list of numbers that are `joined` by such words; "" for none."""
+    runs = re.search(rf"(?:{LISTED_NUMBER}{joined})*\Z", before), re.match(rf"(?:{joined}{LISTED_NUMBER})*", after)
+    return runs[0][0] if runs[0] else "", runs[1][0] if runs[1] else ""
+
+
 def methods_said_of(before: str, after: str) -> set[str]:
     """The keys of the method that a number is of where the lower-case sentence around it says so; none elsewhere.
 
@@ -209,8 +215,7 @@ def methods_said_of(before: str, after: str) -> set[str]:
     for A and B", and "A and B have x, if h = 1, and y, respectively".
     """
     before, after = (re.sub(r"--+|(?<=[a-df-z])-|-(?!\.?[0-9])|[_\n]", " ", part) for part in (before, after))
-    runs = re.search(rf"(?:{_NUMBER}{_JOINED})*\Z", before), re.match(rf"(?:{_JOINED}{_NUMBER})*", after)
-    left, right = (run[0] if run else "" for run in runs)
+    left, right = rest_of_list(before, after)
     if behind := _methods_behind().match(after[len(right) :]):
         listed = _named(behind[0])
         left = left if right or listed[1:] else ""  # 0.1 (A) and 0.2 (B)
@@ -225,7 +230,7 @@ def methods_said_of(before: str, after: str) -> set[str]:
             ends = re.search(r"[0-9;:]|\band\b", _SETTINGS.sub("", between.lstrip(":"))) or len(between) > _LONGEST_GAP
             if ends or (len(listed) == 1 and ("," in between or compared)):
                 return set()
-    at, more = (len(re.findall(_NUMBER, part)) for part in (left, right))
+    at, more = (len(re.findall(LISTED_NUMBER, part)) for part in (left, right))
     return listed[at][1] if len(listed) == at + 1 + more else set()
 
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.texts.claims.contradictions import (
+    LISTED_NUMBER,
     POSITIVE,
     SETTING,
     TIME_UNIT,
@@ -18,6 +19,7 @@ from driftproof.texts.claims.contradictions import (
     methods_named,
     methods_said_of,
     names_in_order,
+    rest_of_list,
     sentence_around,
     sentence_before,
 )
@@ -51,12 +53,11 @@ _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)
 _UNKNOWN = re.compile(rf"{_NAME}\Z")
 # The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
 _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
-# Step sizes in a list, and numbers in one.
+# What joins numbers of a list, also one that goes from step size to step size, and step sizes in one.
 _SIZES = re.compile(
     rf"(?:\bh|[dδ]t)\s?=\s?{POSITIVE}(?:(?:, (?:and )?| and | to | or )(?:(?:h|[dδ]t)\s?=\s?)?{POSITIVE})+"
 )
 _JOINED = r"(?:, (?:and )?| and | to )"
-_LISTED = r"-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?"
 # A time is also given by the value of an unknown then, as in y(1).
 _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
@@ -347,9 +348,9 @@ def _settings(
 def _size_in_order(before: str, after: str) -> Fraction | None:
     """The step size of a number in a list behind a list of as many, as in "for h = 1 and 0.5 they are 0.2 and 0.1"."""
     sizes = [*_SIZES.finditer(before)]
-    runs = re.search(rf"(?:{_LISTED}{_JOINED})*\Z", before), re.match(rf"(?:{_JOINED}{_LISTED})*", after)
-    if not sizes or not all(runs) or (runs[0] and runs[0].start() < sizes[-1].end()):
+    left, right = rest_of_list(before, after, _JOINED)
+    if not sizes or len(before) - len(left) < sizes[-1].end():
         return None
     given = re.findall(POSITIVE, re.sub(r"[a-zδ]", "", sizes[-1][0]))
-    at, rest = (len(re.findall(_LISTED, run[0] if run else "")) for run in runs)
+    at, rest = (len(re.findall(LISTED_NUMBER, part)) for part in (left, right))
     return Fraction(given[at]) if len(given) == at + 1 + rest else None
