@@ -12,7 +12,8 @@ from importlib import import_module
 from math import inf
 from typing import Any
 
-from driftproof.methods.schemes import Method, MethodError
+from driftproof.methods.catalogue import Entry
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
@@ -82,7 +83,7 @@ class ControlledSolver(Solver):
 
     once = 10**7
 
-    def __init__(self, method: Method, problem: Problem, *, compiled: bool) -> None:
+    def __init__(self, method: Entry, problem: Problem, *, compiled: bool) -> None:
         """Compile nothing yet. Raises MethodError for a method without an error estimate."""
         self.run = controlled_runner(method, problem.field, compiled=compiled)
         self.start = float_start(problem)
