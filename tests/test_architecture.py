@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10976,
     "numeric": 4456,
     "blackbox": 22528,
-    "enclosure": 5449,
+    "enclosure": 5451,
     "texts": 10959,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6068
