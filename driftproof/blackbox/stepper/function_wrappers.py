@@ -43,12 +43,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
         return _call(step, names, {**gradients, **common.arguments_by_role(rest, calling.FORCE)}, calling.FORCE)
     if line := _two_forces_wrapper(step, names) or _run_of_records(step, names):
         return line
-    roles = {common.plain_role(each): calling.word_of(each) for each in names if each not in calling.matrices(names)}
-    forced = common.takes_force(names) or calling.has_gradient(names) or roles.get(calling.FUNCTION) == "a"
-    of_state = calling.POSITION not in roles or (
-        calling.VELOCITY not in roles and (calling.TIME in roles or not forced)
-    )
-    kind = calling.MAP if calling.FUNCTION not in roles else calling.FIELD if of_state else calling.FORCE
+    kind = common.kind_by_names(names)
     given = common.arguments_by_role(names, kind)
     line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names)
     if kind == calling.MAP and not line and (called := with_global(step)):

@@ -14,7 +14,6 @@ import numpy as np
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
-    BODY_LISTS,
     FIELD,
     FORCE,
     MAP,
@@ -126,19 +125,20 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', attribute_of(made, STEP)
-    taken = ["h" if common.plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
+    taken = _taken_by(made, advance, "h", "0.0")
+    call = f"made.{advance}({', '.join(taken)})"
     if size and "h" not in taken:
-        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
+        act = f"lambda made, h: (setattr(made, '{size}', h), {call})"
     elif "0.0" in taken:
-        act = f"lambda made, h: made.{advance}({', '.join(taken)})"
+        act = f"lambda made, h: {call}"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
 
 def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
     """The step of an object, made anew, whose system is built in, of the time and the numbers that its step moves."""
-    taken, size, time = _taken_by(made, advance), attribute_of(made, STEP), attribute_of(made, TIME)
-    call = ", ".join("h" if common.plain_role(each) == STEP else "0.0" for each in taken)
-    put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
+    taken, size, time = _taken_by(made, advance, "h", "0.0"), attribute_of(made, STEP), attribute_of(made, TIME)
+    call = ", ".join(taken)
+    put, make = f"made.{size} = h; " if size and "h" not in taken else "", making(cls, MAP, made)
     places, put = ", ".join(f"made.{each}" for each in moved), put + f"made.{time} = t; " * bool(time)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
     puts = f"made = {makes}; {put}[{places}] = 1.0 * y; made.{advance}({call})"
@@ -156,9 +156,7 @@ def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] 
         for i, (each, x) in enumerate(known.items()):
             setattr(moved, each, _SHORT if common.plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
         before = {each: copy(getattr(moved, each)) for each in known}
-        getattr(moved, advance)(
-            *[_SHORT if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
-        )
+        getattr(moved, advance)(*_taken_by(made, advance, _SHORT, 0.0))
         rates = {
             each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if common.plain_role(each) != TIME
         }
@@ -174,41 +172,16 @@ def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
     """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
     with suppress(Exception):
         moved, kept = deepcopy(made), attributes_of(made)
-        getattr(moved, advance)(
-            *[0.25 if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
-        )
+        getattr(moved, advance)(*_taken_by(made, advance, 0.25, 0.0))
         pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
         return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
     return None
 
 
-def _taken_by(made: Any, advance: str) -> list[str]:
-    """What a method takes besides its object, with a step size that has a default."""
-    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
-
-
-def world_wrapper(cls: type) -> str:
-    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
-
-    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
-    """
-    held = next(iter(required_names(cls) or []), "")
-    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
-    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
-        with suppress(Exception):
-            ones = [1.0] * len(required_names(body) or [])
-            world, made = cls([body(*ones)]), body(*ones)
-            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
-            upright = push and hasattr(made, "y") and hasattr(made, "vy")
-            q, v = ("y", "vy") if upright else (attribute_of(made, POSITION), attribute_of(made, VELOCITY))
-            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
-                continue
-            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
-            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
-            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
-            options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
-            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
-    return ""
+def _taken_by(made: Any, advance: str, size: Any, other: Any) -> list[Any]:
+    """What a method is given besides its object: a step size, also where that has a default, and `other` things."""
+    names = names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or []
+    return [size if common.plain_role(each) == STEP else other for each in names[1:]]
 
 
 def further_names(cls: type, advance: str) -> list[str]:

@@ -89,7 +89,6 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if STEP not in map(common.plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
         names = with_size
     kind = common.kind_by_names((*names, *taken))
-    kind = FORCE if common.takes_force(names) and POSITION in map(common.plain_role, taken) else kind
     made = Made(kind, cls, common.arguments_by_role(names, kind), common.arguments_by_role(taken[1:], kind), method)
     inputs = [each for each in taken[1:] if each not in made.call]
     if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function

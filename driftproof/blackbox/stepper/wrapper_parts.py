@@ -66,11 +66,16 @@ def plain_role(name: str) -> str | None:
     return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
 
 
-def kind_by_names(names: Iterable[str]) -> str:
-    """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
-    names = [*names]
-    roles = {plain_role(each) for each in names if each not in matrices(names)}
-    return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
+def kind_by_names(names: Sequence[str]) -> str:
+    """The kind of a step with these arguments: with a function, FORCE for a position and what is moved, else FIELD.
+
+    Without a velocity or a time, a position is moved by what has the name of a force or a gradient.
+    """
+    plain = [each for each in names if each not in matrices(names)]
+    roles = {plain_role(each) for each in plain}
+    pushed = takes_force(plain) or has_gradient(plain) or any(word_of(each) == "a" for each in plain)
+    moved = POSITION in roles and (VELOCITY in roles or (TIME not in roles and pushed))
+    return MAP if FUNCTION not in roles else FORCE if moved else FIELD
 
 
 def takes_force(names: Iterable[str]) -> bool:

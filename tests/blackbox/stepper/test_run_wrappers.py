@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from driftproof import identify
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.run_wrappers import list_wrapper
@@ -273,18 +272,3 @@ def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_f
     line = wrapper_line(lambda x, x_old, dt: x_old)
     assert line.startswith(": def step(force, x, x_old, dt): ...  # a method of two steps is read if")
     assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
-
-
-BEEMAN = """
-def beeman(x, v, a, a_prev, force, dt):
-    x1 = x + v * dt + (4 * a - a_prev) * dt**2 / 6
-    a1 = force(x1)
-    return x1, v + (2 * a1 + 5 * a - a_prev) * dt / 6, a1, a
-"""
-
-
-@pytest.mark.parametrize("right", [True, False])
-def test_a_step_that_takes_and_returns_two_accelerations_is_shown_a_run(right):
-    names = namespace(BEEMAN if right else BEEMAN.replace("4 * a", "3 * a"))
-    pasted(names, "beeman")
-    assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right
