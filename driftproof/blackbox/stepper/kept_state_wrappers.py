@@ -16,6 +16,7 @@ from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     FORCE,
+    FUNCTION,
     MAP,
     POSITION,
     STATE,
@@ -53,7 +54,7 @@ def kept_state_wrapper(cls: type, made: Any, advance: str, own: bool = False) ->
     line = "" if pushed else put_wrapper(cls, made, advance)
     if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
         return line
-    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+    return two_states_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
 
 
 def making(cls: type, kind: str, made: Any = None) -> str:
@@ -73,37 +74,41 @@ def making(cls: type, kind: str, made: Any = None) -> str:
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
-def _two_positions_wrapper(cls: type, advance: str) -> str:
-    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
+def two_states_wrapper(cls: type, advance: str) -> str:
+    """The run of an object that keeps its state and the one before, and no velocity; "" if it is not one.
 
-    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
+    Of an object in space, all coordinates are the same. Its force is given to it or to its method, pushed, or put where
+    it keeps one; a function of another name is a right-hand side.
     """
     with suppress(Exception):
-        names, function = required_names(cls) or [], function_argument(cls)
+        names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
         kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
-        before = next(each for each in kept if common.is_before(each))
-        q = next(each for each in kept if role_of(each, (POSITION,)))
-        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
+        states = [each for each in kept if role_of(each, (POSITION, STATE))]
+        now, before = next((x, each) for x, each in product(states, kept) if common.is_before(each, x))
+        handed = function or any(common.plain_role(each) == FUNCTION for each in taken)
+        kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD
+        given = common.arguments_by_role(taken, kind)
+        if any(role_of(each, (VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
             return ""
-        vector = type(kept[q]).__name__ if hasattr(kept[q], "x") and hasattr(kept[q], "y") else ""
-        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else (".x" * bool(vector), "")
+        call, cls_name = f"made.{advance}({', '.join(given[each] for each in taken)})", common.name_of(cls)
+        if kind == FIELD:
+            start = ", ".join("f" if each == function else "y" for each in names)
+            begin = f"made = {cls_name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}; "
+            return common.run_of_steps("f, y, h", f"y, [*made.{now}]", f"({call}, [*made.{now}])[-1]", begin, first=1)
+        vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
+        first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
         put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
         force = f"lambda p, *rest: {put(f'force(p{first})')}"
         start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {common.name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
+        begin = f"made = {cls_name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
         push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
         push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
-        if not (push or function):
+        if not (push or handed):
             return ""
-        pushed = "" if function else f"{push}force(made.{q}{first})), "
-        later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
-        return common.run_of_steps(
-            common.HEADS[FORCE],
-            f"{common.BEFORE}, q",
-            later,
-            begin,
-            found=common.WITH_SPEEDS.format("ys[1:]", "ys[2:]"),
-        )
+        pushed = "" if handed else f"{push}force(made.{now}{first})), "
+        found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
+        later = f"({pushed}{call}, 1.0 * made.{now}{first})[-1]"
+        return common.run_of_steps(common.HEADS[FORCE], f"{common.BEFORE}, q", later, begin, found=found)
     return ""
 
 
@@ -178,10 +183,14 @@ def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
     return None
 
 
+def _names_taken(made: Any, advance: str) -> list[str]:
+    """The names of what a method is given besides its object, with a step size that has a default."""
+    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
+
+
 def _taken_by(made: Any, advance: str, size: Any, other: Any) -> list[Any]:
-    """What a method is given besides its object: a step size, also where that has a default, and `other` things."""
-    names = names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or []
-    return [size if common.plain_role(each) == STEP else other for each in names[1:]]
+    """What a method is given besides its object: a step size, and `other` things."""
+    return [size if common.plain_role(each) == STEP else other for each in _names_taken(made, advance)]
 
 
 def further_names(cls: type, advance: str) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -31,7 +31,7 @@ from driftproof.blackbox.stepper.class_wrappers import (
     function_argument,
     public_methods,
 )
-from driftproof.blackbox.stepper.kept_state_wrappers import ADVANCES, advance_of, kept_state_wrapper
+from driftproof.blackbox.stepper.kept_state_wrappers import ADVANCES, advance_of, kept_state_wrapper, two_states_wrapper
 
 # A right-hand side that is given inputs after its state.
 _OF_STATE = "lambda y, *rest: f(y)"
@@ -84,7 +84,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
         return ""
     method = "" if own == "__call__" else f".{own}"
     if sum(map(common.is_before, names)) == 1:
-        return _two_step_wrapper(cls, method, names, taken[1:])
+        return two_states_wrapper(cls, own)
     with_size = names_with_step(cls) or []  # where a class is made with a step size that has a default, it is given
     if STEP not in map(common.plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
         names = with_size
@@ -138,28 +138,6 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
     given = {each: each.upper() for each in required_names(cls) or ()}
     call = common.arguments_by_role(required_names(step) or (), FIELD)
     return f"; write: {Made(FIELD, cls, given, call, method, puts={clock: 't'}).line()}"
-
-
-def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
-    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
-    kind = FORCE if common.takes_force((*names, *taken)) else FIELD
-    (before,) = filter(common.is_before, names)
-    given, call = (common.arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
-    given[before], now = (common.BEFORE, "q") if kind == FORCE else ("y", common.FIRST_STEP_UNTIMED)
-    tried = {**common.TRIAL_ARGUMENTS, common.BEFORE: 0.75, now: common.TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
-    given = {each: now if x == "y" and each != before else x for each, x in given.items()}
-    with suppress(Exception):
-        made = cls(*[tried[given[each]] for each in names])
-        kept = attribute_of(made, POSITION if kind == FORCE else STATE)
-        getattr(made, method[1:] or "__call__")(*[tried[call[each]] for each in taken])
-        begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)}); "
-        step = f"made{method}({', '.join(call[each] for each in taken)})"
-        if kept and kind == FORCE:
-            later, found = f"({step}, 1.0 * made.{kept})[1]", common.WITH_SPEEDS.format("ys", "ys[1:]")
-            return common.run_of_steps(common.HEADS[kind], "q", later, begin, found=found)
-        if kept:
-            return common.run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
-    return ""
 
 
 def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:

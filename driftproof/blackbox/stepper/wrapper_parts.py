@@ -39,7 +39,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 # The arguments of a wrapper by role, and all of them for a wrapper of each kind.
 ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
 HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
-_BEFORE = re.compile("prev|old|last|before|nm1")
+_BEFORE = re.compile("prev(ious)?|old|last|before|nm1")
 # The statements that stand before the one with a call.
 _BEFOREHAND = re.compile(r"^(def wrapped\(.*?\): )(.*?)‹(.*?)›")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
@@ -124,9 +124,10 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     return {each: given[each] for each in names if each in given}
 
 
-def is_before(name: str) -> bool:
-    """True if it is the name of a state or a slope before the present one."""
-    return bool(_BEFORE.search(name.lower()))
+def is_before(name: str, state: str = "") -> bool:
+    """True if it is the name of a state or a slope before the present one; with `state`, of that or of no other."""
+    bare = _BEFORE.sub("", name.lower()).strip("_")
+    return bool(_BEFORE.search(name.lower())) and (not state or bare in ("", state.lower()))
 
 
 def function_of(kind: str) -> str:
