@@ -78,15 +78,6 @@ def wave(first=True):
     return step
 
 
-def infections(s, i, r, beta, gamma, dt, last=2):
-    """Heun's method of three numbers, each an argument of its own."""
-    rate = lambda s, i, r: (-beta * s * i, beta * s * i - gamma * i, gamma * i)
-    first = rate(s, i, r)
-    second = rate(s + dt * first[0], i + dt * first[1], r + dt * first[2])
-    rates = (second[0], second[1], second[last])
-    return tuple(x + dt / 2 * (a + b) for x, a, b in zip((s, i, r), first, rates, strict=True))
-
-
 STIFF = np.array([[3.0, -1.0], [-1.0, 1.0]])
 
 
@@ -126,7 +117,6 @@ READ = [
     (decay_twice, "forward_euler", "the state: N;", False),
     (heated, "forward_euler", "one of 4 numbers", None), (heated_in_place, "forward_euler", "one of 4 numbers", False),
     (wave(), "forward_euler", "one of 6 numbers", None), (wave(False), "forward_euler", "one of 6 numbers", False),
-    (infections, "heun2", "one of 3 numbers", None), (partial(infections, last=0), "heun2", "one of 3 numbers", False),
     (storeys, "midpoint2", "one of 4 numbers", None), (partial(storeys, late=1.0), "midpoint2", "one of 4 n", False),
     (spinor, "heun2", "one of 4 numbers", None), (partial(spinor, share=0.5), "heun2", "one of 4 numbers", False),
     (epidemic, "forward_euler", "the state: S, I, R of a dict", None),

@@ -64,13 +64,6 @@ class Late(Thrown):
         self.x, self.y = self.x + self.vx * dt, self.y + self.vy * dt
         self.vy -= self.g * dt
 
-class Damped:
-    def __init__(self):
-        self.x, self.dt = [1.0, 0.0], 0.01
-    def step(self, u):
-        x, v = self.x
-        self.x = [x + self.dt * v, v + self.dt * (u - 3 * x - 0.2 * v)]
-
 class Steered:
     def __init__(self):
         self.state = (0.0, 0.0, 0.05, 0.0)
@@ -143,7 +136,6 @@ KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted
     ("Game", "symplectic_euler", True, "advance=lambda made, h: (setattr(made, 'dt', h), made.run_step())"),
     ("Thrown", "symplectic_euler", None, 'position="y", velocity="vy"'),
     ("Late", "symplectic_euler", False, 'position="y", velocity="vy"'),
-    ("Damped", "forward_euler", None, "(setattr(made, 'dt', h), made.step(0.0))"),
     ("Steered", "forward_euler", None, "lambda made, h: made.step(0.0, h)"),
     ("Drive", "midpoint2", None, ""), ("Joint", "symplectic_euler", True, ""),
     ("Point", "stormer2", True, ""), ("Bead", "stormer2", True, ""), ("Rope", "stormer2", True, ""),
