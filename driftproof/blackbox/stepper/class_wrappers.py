@@ -278,8 +278,8 @@ class Made(NamedTuple):
             if self._departs(names):
                 return True
             after = getattr(names["made"], "__dict__", {}).items()
-            changed = {each for each, x in after if repr(x) != before.get(each)} - {*self.kept, *self.puts}
-            changed.discard(attribute_of(names["made"], calling.TIME))
+            changed = {each for each, x in after if repr(x) != before.get(each)}
+            changed -= {*self.kept, attribute_of(names["made"], calling.TIME)}
             return bool(changed) and not self.state <= {*self.puts.values()}
         return False
 

@@ -77,12 +77,12 @@ class Bashforths(Butterfly):
 
 class Bob:
     def __init__(self, length, dt):
-        self.theta, self.omega, self.length, self.dt = 0.5, 0.0, length, dt
+        self.theta, self.omega, self.length, self.dt, self.swings = 0.5, 0.0, length, dt, 0
     def acceleration(self):
         return -9.81 / self.length * np.sin(self.theta)
     def update(self):
         self.omega += self.dt * self.acceleration()
-        self.theta += self.dt * self.omega
+        self.theta, self.swings = self.theta + self.dt * self.omega, self.swings + 1
 
 class Ball:
     def __init__(self, x, y):

@@ -96,6 +96,14 @@ class Euler:
     def step(self, terms, t0, t1, y0, args):
         return y0 + (t1 - t0) * terms(t0, y0, args)
 
+class Clocked:
+    def __init__(self, f, h):
+        self.f, self.h, self.t = f, h, 0.0
+    def step(self, y):
+        k = self.f(self.t, y)
+        self.t += self.h
+        return y + self.h / 2 * (k + self.f(self.t, y + self.h * k))
+
 class Whole:
     def __init__(self, force, dt):
         self.force, self.dt = force, dt
@@ -179,6 +187,7 @@ WRAPPED = {  # the method that each is, and the line that it is shown, or its en
         "ys = [y, [*made.y]]; [ys.append((made.step(h), [*made.y])[-1]) for i in range(1, n)]; return ys"),
     "Ralston": ("ralston2", "def wrapped(f, t, y, h): return Ralston(f)(y, t, h)"),
     "Euler": ("forward_euler", "def wrapped(f, t, y, h): return Euler().step(f, t, t + h, y, ())"),
+    "Clocked": ("heun2", "def wrapped(f, t, y, h): made = Clocked(f, h); made.t = t; return made.step(y)"),
     "Whole": ("symplectic_euler", "def wrapped(force, q, v, h): return Whole(force, h).advance([q, v])"),
     "Slotted": ("forward_euler", "made(h); return made.y"),
     "Controlled": ("midpoint2", ""), "Attempting": ("heun2", ""), "OfSystem": ("midpoint2", ""),
