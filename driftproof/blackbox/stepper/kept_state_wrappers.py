@@ -83,8 +83,8 @@ def two_states_wrapper(cls: type, advance: str) -> str:
     with suppress(Exception):
         names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
         kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
-        states = [each for each in kept if role_of(each, (POSITION, STATE))]
-        now, before = next((x, each) for x, each in product(states, kept) if common.is_before(each, x))
+        before = next(each for each in kept if common.is_before(each))
+        now = next(each for each in kept if role_of(each, (POSITION, STATE)))
         handed = function or any(common.plain_role(each) == FUNCTION for each in taken)
         kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD
         given = common.arguments_by_role(taken, kind)
@@ -94,7 +94,9 @@ def two_states_wrapper(cls: type, advance: str) -> str:
         if kind == FIELD:
             start = ", ".join("f" if each == function else "y" for each in names)
             begin = f"made = {cls_name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}; "
-            return common.run_of_steps("f, y, h", f"y, [*made.{now}]", f"({call}, [*made.{now}])[-1]", begin, first=1)
+            later = f"({call}, [*made.{now}])[-1]"
+            line = common.run_of_steps("f, y, h", f"y, [*made.{now}]", later, begin, first=1)
+            return line if common.goes_straight(line, **{cls_name: cls}) else ""
         vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
         first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
         put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
@@ -108,7 +110,8 @@ def two_states_wrapper(cls: type, advance: str) -> str:
         pushed = "" if handed else f"{push}force(made.{now}{first})), "
         found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
         later = f"({pushed}{call}, 1.0 * made.{now}{first})[-1]"
-        return common.run_of_steps(common.HEADS[FORCE], f"{common.BEFORE}, q", later, begin, found=found)
+        line = common.run_of_steps(common.HEADS[FORCE], f"{common.BEFORE}, q", later, begin, found=found)
+        return line if common.goes_straight(line, **{cls_name: cls, vector: type(kept[now])}) else ""
     return ""
 
 

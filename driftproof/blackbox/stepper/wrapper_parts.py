@@ -39,7 +39,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 # The arguments of a wrapper by role, and all of them for a wrapper of each kind.
 ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
 HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
-_BEFORE = re.compile("prev(ious)?|old|last|before|nm1")
+_BEFORE = re.compile("prev|old|last|before|nm1")
 # The statements that stand before the one with a call.
 _BEFOREHAND = re.compile(r"^(def wrapped\(.*?\): )(.*?)‹(.*?)›")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
@@ -124,10 +124,9 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     return {each: given[each] for each in names if each in given}
 
 
-def is_before(name: str, state: str = "") -> bool:
-    """True if it is the name of a state or a slope before the present one; with `state`, of that or of no other."""
-    bare = _BEFORE.sub("", name.lower()).strip("_")
-    return bool(_BEFORE.search(name.lower())) and (not state or bare in ("", state.lower()))
+def is_before(name: str) -> bool:
+    """True if it is the name of a state or a slope before the present one."""
+    return bool(_BEFORE.search(name.lower()))
 
 
 def function_of(kind: str) -> str:
@@ -166,3 +165,13 @@ def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int
     """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
     steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
     return f"def wrapped({head}, n): {begin}ys = [{states}]; {steps}; return {found}"
+
+
+def goes_straight(line: str, **scope: Any) -> bool:
+    """True if two steps of such a run, with what it names, go straight on where no force acts, or where y' = 1/2."""
+    exec(line, scope)
+    if line.startswith(f"def wrapped({HEADS[FORCE]}"):
+        found = scope["wrapped"](lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
+    else:
+        found = [y[0] for y in scope["wrapped"](lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)]
+    return [*map(float, found)] == [1.0, 1.125, 1.25]
