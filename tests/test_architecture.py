@@ -69,7 +69,7 @@ BUDGETS = {
     "methods": 5554,
     "symbolic": 10976,
     "numeric": 4456,
-    "blackbox": 22528,
+    "blackbox": 22412,
     "enclosure": 5451,
     "texts": 10959,
 }
