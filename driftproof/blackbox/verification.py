@@ -218,8 +218,7 @@ class Refutation:
 
     @property
     def _faults(self) -> Sequence[str]:
-        """The faults that may be why it is no known method, overflow as the least of them last; or its linear order."""
-        section, linear = self.instead.section("Faults"), self.instead.section("One-step matrix")
-        found = [line for line in (section.lines if section else ()) if not line.startswith(DIVIDES)]
-        found.sort(key=lambda line: line.startswith("overflows from"))
-        return found or [line for line in (linear.lines if linear and section else ()) if "linear order" in line]
+        """The faults that may be why it is no known method, overflow as the least of them last."""
+        section = self.instead.section("Faults")
+        found = (line for line in (section.lines if section else ()) if not line.startswith(DIVIDES))
+        return sorted(found, key=lambda line: line.startswith("overflows from"))
