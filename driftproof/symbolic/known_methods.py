@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from itertools import chain
 from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FACTS_ONLY, METHODS, Entry
@@ -22,7 +21,10 @@ from driftproof.symbolic.linear.reduced_tableau import matchings, reduced_stages
 from driftproof.symbolic.trees.order_conditions import simplifying_assumptions
 
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
-_FEW_DIFFERENCES = 3
+# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three. Three that are all the
+# numbers of A say nothing of the method.
+FEW_DIFFERENCES = 3
+ADJOINT, EXCHANGED = "its adjoint", "kicks and drifts exchanged"
 # Chosen: of more methods with one stability function, as all of three explicit stages and order 3, some are named.
 _MOST_NAMED = 4
 # Chosen: longer fractions are shown as decimals, if these are shorter.
@@ -44,7 +46,6 @@ def known_as(method: Entry) -> KnownAs:
     Coefficients are compared exactly; finite decimals also with what may have been rounded to them.
 
     >>> from dataclasses import replace
-    >>> from dataclasses import replace
     >>> from fractions import Fraction
     >>> from driftproof import METHODS
     >>> from driftproof.symbolic.known_methods import known_as
@@ -60,12 +61,8 @@ def known_as(method: Entry) -> KnownAs:
         return KnownAs(f"{steps[0]}: the same steps, written with other stages", (steps[0],))
     if near:
         fewest = min(len(found) for _, found in near)
-        by_difference: dict[tuple[str, ...], list[str]] = {}
-        for key, found in near:
-            if len(found) == fewest:
-                by_difference.setdefault(found, []).append(key)
-        words = (f"{' or '.join(keys)} except for {'; '.join(found)}" for found, keys in by_difference.items())
-        return KnownAs("; or ".join(words), (), tuple(chain(*by_difference.values())), next(iter(by_difference)))
+        near = [each for each in near if len(each[1]) == fewest]
+        return KnownAs("; or ".join(except_for(near)), (), tuple(key for key, _ in near), near[0][1])
     for change, turned in _turned(method):
         if same := _same(turned):
             return KnownAs(f"{same.words}, {change}", same.methods)
@@ -171,12 +168,24 @@ def _beside(method: Any, known: Any) -> str:
     return "" if mine == its else ", with embedded weights beside it" if mine else ", without its embedded weights"
 
 
+def except_for(near: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
+    """The methods with what they differ in, in words, those of the same differences together."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for key, differences in near:
+        found.setdefault(tuple(differences), []).append(key)
+    return [f"{' or '.join(keys)} except for {'; '.join(differences)}" for differences, keys in found.items()]
+
+
+def are_few(differing: Sequence[str], numbers: int, of_a: int) -> bool:
+    """True if so few of the `numbers` of a method differ, of which `of_a` are those of A, that it may be the method."""
+    wrong = sum(name.startswith("a[") for name in differing)
+    return len(differing) <= min(FEW_DIFFERENCES, max(1, numbers // 3)) and not 2 < wrong >= of_a
+
+
 def _is_few(method: Any, known: Any, differences: list[str]) -> bool:
-    """True if so few coefficients differ that this may be the method; three that are all of A say nothing of it."""
     mine, its = _numbers(method), _numbers(known)
     counted = [name for name in mine if mine[name] or its.get(name)]
-    of_a, all_of_a = (sum(name.startswith("a[") for name in names) for names in (differences, counted))
-    return len(differences) <= min(_FEW_DIFFERENCES, max(1, len(counted) // 3)) and not 2 < of_a >= all_of_a
+    return are_few(differences, len(counted), sum(name.startswith("a[") for name in counted))
 
 
 def _steps_alike(method: Any, known: Any) -> bool:
@@ -212,11 +221,14 @@ def _turned(method: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(method, Multistep) and method.rho[0]:
         yield "with rho and sigma newest first", replace(method, rho=method.rho[::-1], sigma=method.sigma[::-1])
     if isinstance(method, Splitting):
-        other = dict(zip(SUBSTEPS, reversed(SUBSTEPS), strict=True))
-        exchanged = tuple((other[kind], x) for kind, x in method.parts)
-        yield "its adjoint", replace(method, parts=method.parts[::-1])
-        yield "kicks and drifts exchanged", replace(method, parts=exchanged)
-        yield "its adjoint with kicks and drifts exchanged", replace(method, parts=exchanged[::-1])
+        yield from ((words, replace(method, parts=parts)) for words, parts in turned_parts(method).items())
+
+
+def turned_parts(method: Splitting) -> dict[str, tuple[tuple[str, Exact], ...]]:
+    """The parts of a splitting in reverse, with kicks for drifts, and both, by what they are of it."""
+    other = dict(zip(SUBSTEPS, reversed(SUBSTEPS), strict=True))
+    exchanged = tuple((other[kind], x) for kind, x in method.parts)
+    return {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
 
 
 def _alike_on_the_oscillator(method: Entry) -> Iterator[Method]:
