@@ -10,6 +10,7 @@ from driftproof.blackbox.checks.trials import (
     ORDINARY_STATE,
     CheckResult,
     PhasePoint,
+    Trial,
     TrialRunner,
     same,
     steady_runner,
@@ -39,18 +40,24 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = TrialRunner(subject)
     at_once = [_fixed_call(runner) for _ in range(3)]
     after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
-    if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
-        again = first_call_again(subject)
-        if again.holds is False:
-            changing = CheckResult(SAME, False, f"its answers change from call to call: {again.words}")
-            return changing, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
+    answers: list[tuple[float, ...]] = [*at_once, *after]
+    alike = all(same(answer, at_once[0]) for answer in answers)
+    if not alike and same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
+        return _remembers(runner)
+    again = first_call_again(subject)
+    if again.holds is False:
+        return _varies(f"its answers change from call to call: {again.words}")
+    if alike:
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
             CheckResult(_MEMORY, True, "it does not remember earlier calls"),
         )
-    if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
-        return _remembers(runner)
-    return _varies(runner)
+    trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
+    answers += [trial.answer for trial in trials if trial.answer is not None]
+    spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
+    apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
+    example = tuple({trial.answer: trial for trial in trials}.values())[:2]
+    return _varies(f"the same call gives answers {apart}", example)
 
 
 def first_call_again(subject: ForeignStepper) -> StepFinding:
@@ -80,14 +87,9 @@ def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     return repeated, CheckResult(_MEMORY, False, CALL_BEFORE, example)
 
 
-def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """The checks of a stepper whose answers all differ: by random numbers, by its memory, or for another reason."""
-    trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
-    answers = [trial.answer for trial in trials if trial.answer is not None]
-    spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
-    apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
-    example = tuple({trial.answer: trial for trial in trials}.values())[:2]
-    varies = CheckResult(SAME, False, f"the same call gives answers {apart}", example)
+def _varies(words: str, example: tuple[Trial, ...] = ()) -> tuple[CheckResult, ...]:
+    """The checks of a stepper whose answers differ in no order of the calls."""
+    varies = CheckResult(SAME, False, words, example)
     return varies, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
 
 

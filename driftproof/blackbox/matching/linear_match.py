@@ -123,8 +123,7 @@ def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
         why = "no tiny step shows a rate: steps do not shrink with h, are noise, or are long in the system's own time"
         return replace(start, kind=UNDETERMINED, remarks=(why, *reading.remarks)) if reading.identifiable else start
     position, stiffness = linear_candidates.rates_of(reading)
-    own = float(position), float(stiffness)
-    rates = (1.0, 1.0) if known else own
+    rates = (1.0, 1.0) if known else (float(position), float(stiffness))
     start = replace(start, nearly=_nearly(reading, rates))
     if not reading.identifiable:
         return replace(start, nearest=_nearest(linear_candidates.tried_steps(reading), rates))
@@ -140,7 +139,7 @@ def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
     if all(each.restriction for each in found) and (nearly := linear_candidates.nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     if not found:
-        return replace(start, nearest=_nearest(linear_candidates.tried_steps(reading), own))
+        return replace(start, nearest=_nearest(linear_candidates.tried_steps(reading), rates))
     start = replace(start, nearly=None) if start.kind == linear.LINEAR else start
     # The facts are those of the first of the candidates.
     first, system, facts = found[0], Fraction(1) if found[0].known else found[0].stiffness, MatrixFacts(*[None] * 4)
