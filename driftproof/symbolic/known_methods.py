@@ -21,8 +21,7 @@ from driftproof.symbolic.linear.reduced_tableau import matchings, reduced_stages
 from driftproof.symbolic.trees.order_conditions import simplifying_assumptions
 
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
-# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three. Three that are all the
-# numbers of A say nothing of the method.
+# Two exchanged weights and a wrong node of theirs are three. Three that are all of A say nothing of the method.
 FEW_DIFFERENCES = 3
 ADJOINT, EXCHANGED = "its adjoint", "kicks and drifts exchanged"
 # Chosen: of more methods with one stability function, as all of three explicit stages and order 3, some are named.
@@ -63,8 +62,8 @@ def known_as(method: Entry) -> KnownAs:
         fewest = min(len(found) for _, found in near)
         near = [each for each in near if len(each[1]) == fewest]
         return KnownAs("; or ".join(except_for(near)), (), tuple(key for key, _ in near), near[0][1])
-    for change, turned in _turned(method):
-        if same := _same(turned):
+    for change, other in turned(method):
+        if same := _same(other):
             return KnownAs(f"{same.words}, {change}", same.methods)
     alike = [*_alike_on_the_oscillator(method)]
     if not alike:
@@ -193,9 +192,7 @@ def _steps_alike(method: Any, known: Any) -> bool:
     if isinstance(method, Collocation) != isinstance(known, Collocation):
         table, nodes = (known, method) if isinstance(method, Collocation) else (method, known)
         return isinstance(table, RungeKutta) and _collocates(table, nodes)
-    if not isinstance(method, RungeKutta | Nystrom) or (
-        isinstance(method, RungeKutta) and not _have_row_sums(method, known)
-    ):
+    if not (isinstance(method, Nystrom) or (isinstance(method, RungeKutta) and _have_row_sums(method, known))):
         return False
     mine, its = reduced_stages_of(method), reduced_stages_of(known)
     return len(mine.a) == len(its.a) and next(matchings(mine, its), None) is not None
@@ -209,26 +206,22 @@ def _collocates(table: RungeKutta, known: Collocation) -> bool:
     """True if the table is that of collocation: its c are the nodes, and B(s) and C(s) then leave one A and one b."""
     if len(table.b) != known.stages or len({*map(float, table.c)}) < known.stages:
         return False
-    at_nodes = [total(x * c**k for k, x in enumerate(known.node_polynomial)) for c in table.c]
-    if any(at_nodes):
+    if any(total(x * c**k for k, x in enumerate(known.node_polynomial)) for c in table.c):
         return False
     found = simplifying_assumptions(table)
     return found.b >= known.stages and (found.c is None or found.c >= known.stages)
 
 
-def _turned(method: Any) -> Iterator[tuple[str, Any]]:
+def turned(method: Any) -> Iterator[tuple[str, Any]]:
     """A splitting in reverse, with kicks for drifts, and both, a multistep method newest first; what they are of it."""
     if isinstance(method, Multistep) and method.rho[0]:
         yield "with rho and sigma newest first", replace(method, rho=method.rho[::-1], sigma=method.sigma[::-1])
     if isinstance(method, Splitting):
-        yield from ((words, replace(method, parts=parts)) for words, parts in turned_parts(method).items())
-
-
-def turned_parts(method: Splitting) -> dict[str, tuple[tuple[str, Exact], ...]]:
-    """The parts of a splitting in reverse, with kicks for drifts, and both, by what they are of it."""
-    other = dict(zip(SUBSTEPS, reversed(SUBSTEPS), strict=True))
-    exchanged = tuple((other[kind], x) for kind, x in method.parts)
-    return {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
+        other = dict(zip(SUBSTEPS, reversed(SUBSTEPS), strict=True))
+        exchanged = replace(method, parts=tuple((other[kind], x) for kind, x in method.parts))
+        yield ADJOINT, replace(method, parts=method.parts[::-1])
+        yield EXCHANGED, exchanged
+        yield f"{ADJOINT}, {EXCHANGED}", replace(method, parts=exchanged.parts[::-1])
 
 
 def _alike_on_the_oscillator(method: Entry) -> Iterator[Method]:

@@ -16,7 +16,7 @@ from driftproof.blackbox.probes.coefficients import short_rational, simple_ratio
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
-from driftproof.symbolic.known_methods import turned_parts
+from driftproof.symbolic.known_methods import turned
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # Makes a table of the kind of number wanted, with its drift, which is None for a right-hand side.
@@ -176,9 +176,9 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
-            for relation, parts in turned_parts(splitting).items():
-                if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
-                    yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, parts))
+            for relation, other in turned(splitting):
+                if sum(kind == "kick" and x != 0 for kind, x in other.parts) == calls:
+                    yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, other.parts))
     for candidate in force_methods():
         for relation, change, by in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
             yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
