@@ -20,7 +20,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Splitting
-from driftproof.symbolic.known_methods import EXCHANGED, turned
+from driftproof.symbolic.known_methods import EXCHANGED, turned_over
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class Refutation:
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
         if isinstance(self.seen.method, Splitting) and verdict in {f"it is {name}" for name in self.naming.methods}:
-            exchanged = dict(turned(self.seen.method))[EXCHANGED].parts
+            exchanged = dict(turned_over(self.seen.method))[EXCHANGED].parts
             same = getattr(METHODS[self.naming.methods[0]], "parts", ()) == exchanged
             verdict += f", which is {key} with {EXCHANGED}" * same
         return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"

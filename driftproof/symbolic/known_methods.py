@@ -62,7 +62,7 @@ def known_as(method: Entry) -> KnownAs:
         fewest = min(len(found) for _, found in near)
         near = [each for each in near if len(each[1]) == fewest]
         return KnownAs("; or ".join(except_for(near)), (), tuple(key for key, _ in near), near[0][1])
-    for change, other in turned(method):
+    for change, other in turned_over(method):
         if same := _same(other):
             return KnownAs(f"{same.words}, {change}", same.methods)
     alike = [*_alike_on_the_oscillator(method)]
@@ -212,7 +212,7 @@ def _collocates(table: RungeKutta, known: Collocation) -> bool:
     return found.b >= known.stages and (found.c is None or found.c >= known.stages)
 
 
-def turned(method: Any) -> Iterator[tuple[str, Any]]:
+def turned_over(method: Any) -> Iterator[tuple[str, Any]]:
     """A splitting in reverse, with kicks for drifts, and both, a multistep method newest first; what they are of it."""
     if isinstance(method, Multistep) and method.rho[0]:
         yield "with rho and sigma newest first", replace(method, rho=method.rho[::-1], sigma=method.sigma[::-1])

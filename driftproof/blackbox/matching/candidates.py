@@ -16,7 +16,7 @@ from driftproof.blackbox.probes.coefficients import short_rational, simple_ratio
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
-from driftproof.symbolic.known_methods import turned
+from driftproof.symbolic.known_methods import turned_over
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # Makes a table of the kind of number wanted, with its drift, which is None for a right-hand side.
@@ -176,7 +176,7 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
-            for relation, other in turned(splitting):
+            for relation, other in turned_over(splitting):
                 if sum(kind == "kick" and x != 0 for kind, x in other.parts) == calls:
                     yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, other.parts))
     for candidate in force_methods():
