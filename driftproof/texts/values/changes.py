@@ -13,7 +13,6 @@ from typing import Any, TypeAlias
 
 from flint import fmpz
 
-from driftproof.methods.expression_tree import parse_form
 from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json, table
 from driftproof.support.results import Printable
@@ -36,8 +35,6 @@ _LONGEST_TEXT = 40
 _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "reason", "generator"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
-# Names that the exact form of an irrational number may contain.
-_NAMES = frozenset(("sqrt", "cbrt", "exp", "log", "log2", "log10", "sin", "cos", "atan", "atan2", "abs", "Abs", "pi"))
 
 # The keys and list positions that lead to a leaf of the document, and the leaf.
 Leaf: TypeAlias = tuple[tuple[str, ...], Any]
@@ -73,24 +70,9 @@ def read_values(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: not a JSON object; give the output of `driftproof value --only '*'`")
     for place, leaf in _leaves(read):
         if isinstance(leaf, dict) and leaf:
-            exact = leaf.get("exact")
-            # A quotient by 0 is a formula, too, and so a changed value beside what it was before.
-            fits = exact is None or _number(exact) is not None or _is_formula(exact)
-            for part in ["decimal"] * (_rounded(leaf["decimal"]) is None) + ["exact"] * (not fits):
-                raise ValueError(f"{path}: {_name(place)}: {part} is {str(leaf[part])[:60]!r}, not a number")
+            if _rounded(leaf["decimal"]) is None:
+                raise ValueError(f"{path}: {_name(place)}: decimal is {str(leaf['decimal'])[:60]!r}, not a number")
     return read
-
-
-def _is_formula(text: Any) -> bool:
-    """True for a formula in integers and the functions of _NAMES."""
-    if not isinstance(text, str):
-        return False
-    short = re.sub("(?<![a-z0-9])[0-9]+", "1", text)  # integers may have more digits than int() accepts
-    try:
-        parse_form(short)
-    except ValueError:
-        return False
-    return set(re.findall("[A-Za-z_][A-Za-z_0-9]*", short)) <= _NAMES
 
 
 def _name(place: tuple[str, ...]) -> str:
