@@ -69,9 +69,8 @@ def read_values(path: Path) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise ValueError(f"{path}: not a JSON object; give the output of `driftproof value --only '*'`")
     for place, leaf in _leaves(read):
-        if isinstance(leaf, dict) and leaf:
-            if _rounded(leaf["decimal"]) is None:
-                raise ValueError(f"{path}: {_name(place)}: decimal is {str(leaf['decimal'])[:60]!r}, not a number")
+        if isinstance(leaf, dict) and leaf and _rounded(leaf["decimal"]) is None:
+            raise ValueError(f"{path}: {_name(place)}: decimal is {str(leaf['decimal'])[:60]!r}, not a number")
     return read
 
 
