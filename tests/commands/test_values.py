@@ -80,7 +80,7 @@ REFUSED = {
     ("value", "--list", "--digits", "3"): "--digits has no effect with --list",
     ("value", "--only", "*", "--digits", "3"): "--digits has no effect with --only",
     ("value", "--only", "*", "--style", "plain"): "--style has no effect with --only",
-    ("value", "1", "--format", "csv"): "--format csv needs --only PATTERN",
+    ("value", "1", "--format", "js"): "--format js needs --only PATTERN",
     ("value", "--only", "*", "--format", "mathml"): "--format mathml takes one question; with --only, choose from json",
     ("values", "--only", "no such id"): "no published value has an id that matches 'no such id'",
     ("values", "--format", "xml"): "invalid choice: 'xml'",

@@ -152,7 +152,7 @@ def _whole_number(context: QueryContext) -> int:
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.enclosure.multistep_runs import StartedMultistep
     from driftproof.methods.multistep import Multistep
-    from driftproof.texts.questions.runs import RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
+    from driftproof.texts.questions.runs import UNITS, in_unit, run_of, run_readouts
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
@@ -166,9 +166,7 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     with context.refused():
         run = run_of(method, h, t, context.start)
     with context.refused(readout):
-        found = stage_slope(run, readout.text) if readout else None
-        if found is None:
-            found = context.readout(RUN_READOUTS, more=", k1.q, k1.v, ...")(run)
+        found = context.readout(run_readouts(method))(run)
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 

@@ -3,7 +3,7 @@
 The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query:
 
 query   = head part* [":" readout [unit]]
-part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
+part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | equation
 start   = "from" ["("] entry ("," entry)* [")"]
 entry   = literal | expression with pi or sqrt
 rates   = "(" sum ("," sum)* ")"
@@ -35,7 +35,6 @@ from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.pieces import (
     OWN_PI,
     UNKNOWNS,
-    WORDS,
     PieceParser,
     with_greek_spelled,
     with_powers_of_e,
@@ -69,7 +68,6 @@ class Query:
     subject: Token | None = None
     at: Token | None = None
     settings: dict[str, NumberNode] = field(default_factory=dict)
-    words: dict[str, Token] = field(default_factory=dict)
     start: tuple[Fraction | str, ...] | None = None  # text, such as pi/4, if it may be irrational
     readout: Token | None = None
     unit: Token | None = None
@@ -359,11 +357,9 @@ class _QuestionParser(PieceParser):
         return True
 
     def _bare_part(self, token: Token, parts: dict[str, Any]) -> None:
-        """Parse a part without an equals sign: a word such as sharp, a start, the value of a parameter, or a method."""
+        """Parse a part without an equals sign: a start, the value of a parameter, or a method."""
         key = token.text if token.text == "at" else "subject"
-        if token.text in WORDS:
-            parts["words"][token.text] = token
-        elif token.text == "from":
+        if token.text == "from":
             self.put(parts, token, "start", self.start)
         elif not wording.PERIODS.isdisjoint((token.text, self.next.text)):
             raise self.error(token, f"a period is not a whole number of steps: {OWN_PI}")

@@ -15,8 +15,6 @@ from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
-# Words that are parts of a query by themselves.
-WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 # What has a derivative in an equation.
 UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
@@ -89,7 +87,7 @@ class PieceParser(ExpressionParser):
         found, alone, last = first, keys_of_name(first.text), first
         for i, token in enumerate(self.tokens[self.at :], self.at):
             after = self.after(i)
-            if token.text in "=:,()" or after.text == "=" or token.text in (*WORDS, "at", "from"):
+            if token.text in "=:,()" or after.text == "=" or token.text in ("at", "from"):
                 break
             if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
                 break

@@ -117,8 +117,8 @@ class QueryContext:
         with self.refused(at):
             return found.member(parse_number(at.text, found.parameter))
 
-    def require_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
-        """Raise QuestionError for any part but these settings, words, and `parts`, such as start, readout and unit."""
+    def require_only(self, *settings: str, parts: Iterable[str] = ()) -> None:
+        """Raise QuestionError for any part but these settings and `parts`, such as start, readout and unit."""
         query = self.query
         if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
@@ -132,9 +132,6 @@ class QueryContext:
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes no settings"
                 raise QuestionError(self.text, number.column, f"{self.head} does not take {name} here; {takes}")
-        for name, token in query.words.items():
-            if name not in words:
-                raise self.error(token, f"{self.head} does not take the word {name}")
         if query.start is not None and "start" not in parts:
             raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
         if query.readout is not None and "readout" not in parts:
@@ -148,12 +145,12 @@ class QueryContext:
             raise self.error(None, f"{self.head} needs {name}, as in {example}{self.ask_for(f' {example}')}")
         return self.query.settings[name].value
 
-    def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
+    def readout(self, table: Mapping[str, _Entry]) -> _Entry:
         """The entry of the table that the readout names; without a readout, the only entry. Raises QuestionError."""
         token = self.query.readout
         if token is None and len(table) == 1:
             return next(iter(table.values()))
-        names = f"the readouts are {', '.join(table)}{more}"
+        names = f"the readouts are {', '.join(table)}"
         if token is None:
             lacks = f"{self.head} needs a readout after a colon; {names}{self.ask_for('', next(iter(table)))}"
             raise self.error(None, lacks)
