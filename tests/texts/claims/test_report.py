@@ -51,7 +51,7 @@ def test_report_for_github_escapes_what_it_must():
     (line,) = report.written("github").splitlines()
     assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
     suggested = TextReport.of("a.txt", document_of("is 0.1234"), Claims(), suggest=True).written("github")
-    assert suggested == "::notice file=a.txt,line=1,col=4,title=coverage::no claim covers 0.1234"
+    assert suggested == "::notice file=a.txt,line=1,col=4,title=not covered::'is 0.1234'"
 
 
 def test_least_coverage_fails_a_text_with_new_numbers():
