@@ -34,7 +34,7 @@ def value_command(options: Namespace) -> str:
       run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 exact.y0 slope.y0 k1.y0 ... state_error relative_error
       run METHOD rates=(t*sqrt(y0)) from 1 h=1/4 t=1 : READOUT largest_error steps; of a problem, a .toml, your own y'
       run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            or x''=-k*x, x(0)=2, x'(0)=0, k=3: x x' exact.x error.x
-      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1, from R(h lambda)
+      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1
       run AB2 started=rk4 y'=-y y(0)=1 h=1/4 t=1 : READOUT     a multistep method; its first values, or started=exact
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [from q,v] : READOUT               q v qq qv vq vv c, bounds in units of u

@@ -113,7 +113,7 @@ def _call(node: CallNode, question: str) -> Answer:
 
 def _step(context: QueryContext) -> Answer:
     """Answers `step METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
-    context.require_only("h", "N", "lambda", parts=_PARTS)
+    context.require_only("h", "N", parts=_PARTS)
     counted = context.query.readout is not None and context.query.readout.text == "evaluations"
     h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
     return _run_answer(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
@@ -124,9 +124,9 @@ def _run(context: QueryContext) -> Answer:
 
     The query gives two of h, t and N. On the oscillator it may give t and error: see `steps_to_error`.
     """
-    context.require_only("h", "t", "N", "error", "lambda", parts=_PARTS)
-    given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
-    if "error" in given and "t" in given and not (context.about_problem or "lambda" in context.query.settings):
+    context.require_only("h", "t", "N", "error", parts=_PARTS)
+    given = {name: number.value for name, number in context.query.settings.items()}
+    if "error" in given and "t" in given and not context.about_problem:
         from driftproof.texts.questions.runs import steps_to_error
 
         method, t = context.method(), given["t"]
@@ -151,15 +151,13 @@ def _whole_number(context: QueryContext) -> int:
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.enclosure.multistep_runs import StartedMultistep
-    from driftproof.methods.multistep import Multistep
     from driftproof.texts.questions.runs import UNITS, in_unit, run_of, run_readouts
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "the step size h must not be 0")
-    by_factor = "lambda" in context.query.settings and not isinstance(context.subject(), Multistep)
-    method = None if by_factor else context.method_of_run()
-    if method is None or isinstance(method, StartedMultistep) or context.about_problem is not None:
+    method = context.method_of_run()
+    if isinstance(method, StartedMultistep) or context.about_problem is not None:
         return _problem_answer(context, method, h, t)
     if unit is not None and unit.text not in UNITS:
         raise context.error(unit, f"{unit.shown} is not a unit of angles; the units are {', '.join(UNITS)}")
@@ -173,16 +171,14 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 def _problem_answer(
     context: QueryContext, method: Method | StartedMultistep | None, h: Fraction, t: Fraction
 ) -> Answer:
-    """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
+    """Answer for a problem by name, or for y' = f(t, y) with its rates written out."""
     from driftproof.texts.questions import problems
 
-    query, named, decays = context.query, context.about_problem, "lambda" in context.query.settings
-    if named is not None and (decays or (query.problem and query.rates)):
-        raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
-    if query.unit is not None or (decays and query.start is not None):
-        raise context.error(query.unit, "y' = λy always starts at 1, and readouts on a problem take no unit")
-    if decays and method is None:
-        return _decay_answer(context, h, t)
+    query, named = context.query, context.about_problem
+    if query.problem and query.rates:
+        raise context.error(named, "problem and rates each define a problem; give only one of them")
+    if query.unit is not None:
+        raise context.error(query.unit, "readouts on a problem take no unit")
     with context.refused(named):
         problem = _problem(context)
         try:
@@ -196,7 +192,7 @@ def _problem_answer(
 
 
 def _problem(context: QueryContext) -> ProblemTable:
-    """The problem of a query: by name, by its rates, y' = λy from 1 or, if it gives none, the oscillator."""
+    """The problem of a query: by name, by its rates or, if it gives none, the oscillator."""
     from driftproof.enclosure.problem_tables import ProblemTable
     from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions.problems import problem_of_name
@@ -204,8 +200,6 @@ def _problem(context: QueryContext) -> ProblemTable:
     query = context.query
     if query.problem:
         return problem_of_name(query.problem.text, {name: x.value for name, x in query.parameters.items()})
-    if "lambda" in query.settings:
-        return ProblemTable(field_of_text([f"({query.settings['lambda'].value})*y0"]), (Fraction(1),), None, ("y",))
     if not query.rates:
         return problem_of_name("harmonic_oscillator", {})._replace(unknowns=("q", "v"))
     names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
@@ -215,23 +209,6 @@ def _problem(context: QueryContext) -> ProblemTable:
         both = field_of_text([*texts, query.energy.text], names=names)
         field, energy = replace(field, parameters=both.parameters), both.rates[-1]
     return ProblemTable(field, (), energy, query.unknowns)
-
-
-def _decay_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    """Answer for y' = λy from 1, with R(hλ)^N."""
-    from driftproof.texts.questions.problems import decay_readouts
-
-    query = context.query
-    rate, steps = query.settings["lambda"].value, t / h
-    if steps.denominator != 1 or steps < 1:
-        raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
-    at = f" at {query.at.text}" if query.at else ""
-    try:
-        factor = value(f"stability_function {query.subject.text if query.subject else ''}{at} z={rate * h}")
-    except QuestionError as error:
-        raise context.error(query.subject, error.reason) from None
-    with context.refused(query.readout):
-        return context.readout(decay_readouts(factor, rate, h, int(steps)))()
 
 
 @cache
@@ -285,7 +262,6 @@ def vocabulary() -> str:
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
         "readouts on a problem": [*PROBLEM_READOUTS],
-        "readouts with lambda": ["y", "exact.y", "state_error", "relative_error", "steps"],
         "readouts of roundoff": [*"qv", *BOUND_ENTRIES, "c"],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],

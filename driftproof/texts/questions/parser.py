@@ -259,6 +259,9 @@ class _QuestionParser(PieceParser):
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
         """The parts of a query, with rates and start taken from its equations, in the order of the unknowns."""
+        if not (parts["rates"] or "problem" in parts) and (of := parts["settings"].pop("lambda", None)):  # y' = λy
+            parts["rates"] = {"y": Token(NUMBER, f"({of.value})*y", of.column)}
+            parts["start"] = parts["start"] or {"y": Fraction(1)}
         rates, start = parts["rates"], parts["start"]
         names = tuple(rates) if isinstance(rates, dict) else ()
         if isinstance(start, dict):

@@ -43,7 +43,7 @@ class QueryContext:
 
     @property
     def about_problem(self) -> Token | None:
-        """The token that names or begins a problem y' = f(t, y); None for the oscillator and for y' = lambda y."""
+        """The token that names or begins a problem y' = f(t, y); None for the oscillator."""
         return self.query.problem or next(iter(self.query.rates), None)
 
     def error(self, token: Token | None, reason: str) -> QuestionError:
@@ -57,7 +57,7 @@ class QueryContext:
         lacks = lacks or " t=10" * (self.head == "exact" and "t" not in self.query.settings)
         asked, colon, given = self.text.rstrip(" ?").partition(":")
         if self.query.readout is None and self.head in ("step", "run", "exact"):
-            readout = readout or ("error" if self.about_problem or "lambda" in self.query.settings else "q")
+            readout = readout or ("error" if self.about_problem else "q")
         method = " with rk4" * (self.query.subject is None and self.head in ("step", "run"))
         ends = f" : {given.strip() or readout}" * bool(colon or readout)
         return f"; ask for example: {asked.rstrip()}{method}{lacks}{ends}"
