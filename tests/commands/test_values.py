@@ -29,7 +29,6 @@ ANSWERS = {
     "'run forward_euler h=1/4 t=10 : phase_error deg'": "-11.5080564137641 degrees  (CERTIFIED)",
     "'run forward_euler h=1/4 t=10 : phase_error deg' --places 3": "-11.508",
     "'a_stable radau_iia2'": "yes  (PROVED)",
-    "'roundoff symplectic_euler h=1/4 : qq' --digits 3": "1.25",
 }  # fmt: skip
 
 
@@ -45,13 +44,11 @@ def test_json_says_everything(answer):
     }  # fmt: skip
     formula = json.loads(answer("value", "energy_multiplier rk4", "--format", "json"))
     assert (formula["exact"], formula["decimal"]) == ("1 - h**6/72 + h**8/576", None)
-    bound = json.loads(answer("value", "roundoff rk4 h=1/4 : qq", "--format", "json"))
-    assert (bound["rounding"], bound["unit"]) == ("away", "u")
 
 
 def test_list_names_everything_that_can_be_asked(answer):
     shown = answer("value", "--list")
-    for name in (*RUN_READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns", "qv"):
+    for name in (*RUN_READOUTS, *FACTS, "ratio", "sdirk_order_2", "rk4.first_step.q", "turns"):
         assert name in shown
 
 

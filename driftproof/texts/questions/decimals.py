@@ -70,15 +70,15 @@ class Tie(ValueError):
     """A number half-way between two decimals, for which no rounding policy was named."""
 
 
-def rounded(x: CertifiableReal, form: str, count: int, style: Style, default: str | None = None) -> str:
-    """x to `count` SIGNIFICANT digits or FIXED places, by the style's policy or else `default`, None to refuse ties.
+def rounded(x: CertifiableReal, form: str, count: int, style: Style) -> str:
+    """x to `count` SIGNIFICANT digits or FIXED places, by the style's policy.
 
     Raises ValueError for too small a count, Tie, and Uncertified.
     """
     from driftproof.symbolic.algebra import certified
 
     write = certified.fixed if form == FIXED else certified.significant
-    rounding = style.rounding or default
+    rounding = style.rounding
     if rounding == TOFIXED:
         double = _nearest_double(x)
         if form == FIXED and (count > MOST_PLACES_OF_TOFIXED or abs(double) >= LARGEST_OF_TOFIXED):

@@ -233,12 +233,6 @@ def _exact(context: QueryContext) -> Answer:
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
-def _roundoff(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.runs import rounding_bound
-
-    return rounding_bound(context)
-
-
 def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import coefficient, fact
 
@@ -246,7 +240,7 @@ def _fact(context: QueryContext) -> Answer:
 
 
 # Heads of queries that are not facts -> the function that answers them.
-_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundoff}
+_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact}
 
 
 def vocabulary() -> str:
@@ -255,14 +249,13 @@ def vocabulary() -> str:
     from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
     from driftproof.texts.questions.facts import FACT_NAMES
     from driftproof.texts.questions.problems import PROBLEM_READOUTS
-    from driftproof.texts.questions.runs import BOUND_ENTRIES, EXACT_READOUTS, RUN_READOUTS, UNITS
+    from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
     from driftproof.texts.values.published import published_values
 
     parts = {
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
         "readouts on a problem": [*PROBLEM_READOUTS],
-        "readouts of roundoff": [*"qv", *BOUND_ENTRIES, "c"],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],
         "functions and constants": [*NUMBER_FUNCTIONS, *CONSTANTS],

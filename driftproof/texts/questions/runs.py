@@ -1,4 +1,4 @@
-"""Answers about the oscillator: readouts of steps, runs and the exact flow, and bounds of rounding errors."""
+"""Answers about the oscillator: readouts of steps, runs and the exact flow."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
-from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 
 _State = tuple[Fraction, Fraction]
 
@@ -161,44 +160,3 @@ def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> Oscillato
         raise ValueError("more than 10**18 steps, which is the largest number allowed")
     _ = run.final_state  # evaluated now, so that a pole raises here and not later
     return run
-
-
-# Readouts of a rounding bound: entries of E(h) by row and column, components of a state, and the growth per step.
-BOUND_ENTRIES = {"qq": (0, 0), "qv": (0, 1), "vq": (1, 0), "vv": (1, 1)}
-BOUND_READOUTS = (*BOUND_ENTRIES, "q", "v", "c")
-
-
-def rounding_bound(context: QueryContext) -> Answer:
-    """Answers `roundoff METHOD h=1/4 [from q,v] : READOUT`: a bound of a rounding error, in units of u.
-
-    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v bound |dq| and |dv| of a step from the
-    start, r(h) included; c is the growth per step in the norm of the step. h and the start are rounded to the nearest
-    doubles. The bounds hold for states from which no operation of the step overflows; other starts are refused.
-    """
-    from driftproof.numeric.steppers import hand_written
-    from driftproof.symbolic.rounding.formats import BINARY64
-    from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
-    from driftproof.symbolic.rounding.step_bound import step_bound
-
-    context.require_only("h", parts=("start", "readout"))
-    h, method = context.setting("h", "h=1/4"), context.method()
-    readout = context.readout(dict(zip(BOUND_READOUTS, BOUND_READOUTS, strict=True)))
-    with context.refused():
-        h = BINARY64.nearest(h)
-        if h == 0:
-            raise ValueError("the step size h must not be 0")
-        subject = hand_written(method) or method
-        start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
-        if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
-            raise ValueError(
-                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, so no bound holds; "
-                f"it does not overflow for |q|, |v| <= {safe_state_text(safe)}"
-            )
-        if readout == "c":
-            found = run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
-        elif readout in BOUND_ENTRIES:
-            row, column = BOUND_ENTRIES[readout]
-            found = step_bound(subject).at(h).error[row][column]
-        else:
-            found = step_bound(subject).error_of(h, *start)["qv".index(readout)]
-        return Answer("", found / BINARY64.u, unit="u", is_bound=True)

@@ -49,9 +49,8 @@ FACT_WORDS = {
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
     **dict.fromkeys(("principal_error_norm", "principal_error_constant"), "principal_error:squared_norm:sqrt"),
     **{"energy_factor": "energy_multiplier", "dissipation_error": "dissipation", "stiff_decay": "l_stable"},
-    **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
     **dict.fromkeys(("one_step", "first_step", "single_step"), "step"),
-    **{head: head for head in ("step", "run", "exact", "roundoff")},
+    **{head: head for head in ("step", "run", "exact")},
     **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
     **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
 }
@@ -63,7 +62,8 @@ _DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or diss
 _KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
-_DIGITS = "run METHOD h=1/10 t=1 : relative_error, or roundoff METHOD h=1/4 : c (bound on the rounding of a step, in u)"
+_ROUNDOFF = "the command driftproof roundoff METHOD --h 1/4 (bounds on the rounding of a step)"
+_DIGITS = f"run METHOD h=1/10 t=1 : relative_error, or {_ROUNDOFF}"
 _GROWS = "energy_multiplier METHOD h=1/4 (factor per step), or step METHOD h=1/4 : energy_change (change in one step)"
 _SIGNED = "error_constant METHOD or its negative: computed minus exact for one-step methods, else the reverse"
 _B_STABLE = "algebraically_stable METHOD, which is equivalent if no stage is superfluous"
@@ -90,6 +90,7 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     **dict.fromkeys(("digits", "number_of_digits"), _DIGITS),
+    **dict.fromkeys(("roundoff", "rounding_error", "roundoff_error"), _ROUNDOFF),
     **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
     **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
     **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _GROWS),

@@ -17,7 +17,7 @@ from driftproof.texts.questions.evaluate import value
 
 REFUSED = questions_of("refusals")
 QUESTIONS = (*questions_of("runs", "facts", "arithmetic"), *REFUSED)
-ASKED = (*QUESTIONS, *questions_of("bounds"))
+ASKED = QUESTIONS
 # What a question may be made of, and what an attacker would put into it.
 PIECES = sorted(
     {token.text for asked in ASKED for token in ExpressionParser(asked.replace("'", "")).tokens}

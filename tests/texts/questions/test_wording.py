@@ -78,7 +78,6 @@ SAME = {
     "slope k2.v of RK4 h=1/2": "step rk4 h=1/2 : k2.v",
     "number of function evaluations of RK4 h=1/4 t=1": "16",
     "does radau_iia2 have stiff decay?": "l_stable radau_iia2",
-    "roundoff error of RK4 h=1/4 : q": "roundoff rk4 h=1/4 : q",
     "global error of RK4 with step 0.1 at t=1": "run rk4 h=1/10 t=1 : state_error",
     "error of RK4, step size = 0.1, at t=1": "run rk4 h=1/10 t=1 : state_error",
     "error of RK4 with time step h=0.1 over N=10 steps": "run rk4 h=1/10 t=1 : state_error",
@@ -159,7 +158,6 @@ REFUSED = [
     ("how many digits does RK4 lose in 1000 steps", 10, "digits may mean run RK4 h=1/10 t=1 : relative_error"),
     ("order of gauss4 for stiff problems", 21, "for the order on stiff problems, ask for stage_order"),
     ("b[2] of RK4", 2, "coefficients are b2 and a21, counted from 1"),
-    ("roundoff gauss2 h=1/4 : q", 1, "no explicit step; `driftproof certify` encloses the error of a run"),
     ("R(2i) of RK4", 3, "z must be real; |R(iy)|^2 is energy_multiplier METHOD h=y"),
     ("bhat1 of RK4", 1, "rk4 has no bhat1"),
     ("c5 of RK4", 1, "rk4 has no c5"),
@@ -175,10 +173,9 @@ REFUSED = [
     ("steps of RK4 t=10 error=0", 1, "the error to reach must be positive"),
     ("steps of symplectic Euler t=10 error=1e-40", 1, "does not reach this error with 1000000000000000000 steps"),
     ("k2 of RK4 for y'=y, y(0)=1, h=0.1", 1, "'k2' is not a readout of step; the readouts are y, exact.y"),
-    ("rounding error of RK4 with h=0.1", 1, "roundoff needs a readout after a colon; the readouts are qq"),
+    ("rounding error of RK4 with h=0.1", 1, "the command driftproof roundoff RK4 --h 1/4"),
     ("f(1) + 1", 1, "'f' is not a function; the functions are abs"),
     ("z(1) of Heun for y'=-y, y(0)=1, h=0.1", 1, "'z' is not a readout of run; the readouts are y"),
-    ("roundoff rk4 h=1/4 t=1 : qq", 20, "roundoff does not take t here"),
     ("total energie of RK4", 1, "'total energie' is not a known fact or readout"),
     ("phase- error of RK4 h=1 t=1", 1, "'phase' is not the id of a published value"),
     ("rk4 y'=y y(0)=1 h=1 y(1) rk4", 23, "time starts at 0"),
@@ -236,7 +233,7 @@ def test_what_an_expression_may_mean_is_a_question_that_is_answered():
 def test_other_words_lead_to_names_that_there_are_and_hide_none():
     readouts = {*RUN_READOUTS, "largest_error"}
     assert [name for name in some(READOUT_WORDS.values()) if name not in readouts] == []
-    known = {*FACTS, "roundoff", "exact", "step", "run"}
+    known = {*FACTS, "exact", "step", "run"}
     assert [name for name in some(FACT_WORDS.values()) if name.partition(":")[0] not in known] == []
     assert [name for name in some([*FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS]) if name in FACTS] == []
 
