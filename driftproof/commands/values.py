@@ -56,7 +56,7 @@ def value_command(options: Namespace) -> str:
       driftproof value --only '*' --format tex         definitions for \driftproof{id}: save it as values.tex
 
     With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding is given;
-    tofixed does what JavaScript's toFixed does, away is for bounds. --list shows the whole language.
+    away rounds bounds. --list shows the whole language.
     """
     from dataclasses import replace
 

@@ -14,7 +14,7 @@ ANSWERS = {
     "rk4.first_step.q --digits 6": "0.877604", "rk4.first_step.v --places 3": "-0.479",
     "rk4.first_step.v --places 3 --style printed": "−0.479",
     "'1/30000000' --digits 2 --style printed": "3.3×10⁻⁸", "'1/8' --places 2 --rounding half-even": "0.12",
-    "'1/8' --places 2 --rounding half-away": "0.13", "'1.005' --places 2 --rounding tofixed": "1.00",
+    "'1/8' --places 2 --rounding half-away": "0.13",
     "'5/2' --places 0 --rounding away": "3", "'-2.5' --places 0 --rounding half-even": "-2",
     "'1/2'": "0.500000000000000, exactly 1/2  (PROVED)",
     "'run rk4 h=1/4 t=10 : evaluations'": "160  (COUNTED)",

@@ -31,8 +31,8 @@ class Answer(Printable):
 
     `evidence` is GIVEN for a number that a text chose, PROVED for an exact one, COUNTED for a count, CERTIFIED for an
     enclosed number, and STATED for an unproved statement of the catalogue, such as a title. `form` is the exact form in
-    SymPy's syntax if `exact` does not give it, and `words` the TeX of a `form` that is no formula. `remark` qualifies the
-    evidence.
+    SymPy's syntax if `exact` does not give it, `words` the TeX of a `form` that is no formula, and `remark` qualifies
+    the evidence.
     """
 
     question: str

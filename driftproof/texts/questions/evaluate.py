@@ -122,19 +122,10 @@ def _step(context: QueryContext) -> Answer:
 def _run(context: QueryContext) -> Answer:
     """Answers `run METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`.
 
-    The query gives two of h, t and N. On the oscillator it may give t and error: see `steps_to_error`.
+    The query gives two of h, t and N.
     """
-    context.require_only("h", "t", "N", "error", parts=_PARTS)
+    context.require_only("h", "t", "N", parts=_PARTS)
     given = {name: number.value for name, number in context.query.settings.items()}
-    if "error" in given and "t" in given and not context.about_problem:
-        from driftproof.texts.questions.runs import steps_to_error
-
-        method, t = context.method(), given["t"]
-        with context.refused():
-            given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
-    elif "error" in given:
-        on_one = "only on the oscillator is the number of steps for an error counted; with h or N it tells the error"
-        raise context.error(None, f"{on_one}, and driftproof work-precision the errors of many numbers of steps")
     if len(given) != 2:
         lacks = {0: " h=0.1 t=1", 1: " h=0.1" if "N" in given else " N=10"}.get(len(given))
         raise context.error(None, f"run needs exactly two of h, t and N, as in h=1/4 t=10{context.ask_for(lacks)}")

@@ -41,7 +41,7 @@ from driftproof.texts.questions.pieces import (
     with_time,
 )
 
-SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
+SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
 PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
 _NO_SETTING = f"{{}} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}, or a name in your equation"
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
@@ -386,7 +386,7 @@ class _QuestionParser(PieceParser):
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
         said = [token.text for token in self.tokens]
         if key not in SETTINGS and said.count(key) < 2 and PROBLEM not in said:
-            raise self.error(name, _NO_SETTING.format(name.shown))
+            raise self.error(name, wording.ASKED_ELSEWHERE.get(name.text, _NO_SETTING.format(name.shown)))
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self.after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):

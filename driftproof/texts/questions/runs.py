@@ -11,7 +11,7 @@ from typing import Any
 from flint import arb
 
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
@@ -127,30 +127,6 @@ def in_unit(angle: Answer, unit: str) -> Answer:
 
 # Unit as written -> its name.
 UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
-
-
-def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) -> int:
-    """A number N of steps to t that reaches a state error of at most `error`, while N - 1 steps do not.
-
-    The search doubles the number of steps until it suffices, then bisects. Raises ValueError if LARGEST_STEP_COUNT
-    steps do not suffice, and for error <= 0.
-    """
-
-    def reached(steps: int) -> bool:
-        off = run_of(method, t / steps, t, start).state_error
-        return certified_sign(lambda: enclose(off) - enclose(error)) <= 0
-
-    if error <= 0:
-        raise ValueError("the error to reach must be positive")
-    low = steps = 1
-    while not reached(steps):
-        if steps == LARGEST_STEP_COUNT:
-            raise ValueError(f"{method.key} does not reach this error with {LARGEST_STEP_COUNT} steps")
-        low, steps = steps, min(2 * steps, LARGEST_STEP_COUNT)
-    while steps - low > 1:
-        middle = (low + steps) // 2
-        low, steps = (low, middle) if reached(middle) else (middle, steps)
-    return steps
 
 
 def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> OscillatorRun:

@@ -108,7 +108,6 @@ AMBIGUOUS_FACTS = {
 # Synonym -> setting.
 OTHER_SETTINGS = {
     **{"steps": "N", "n": "N", "dt": "h", "T": "t"},
-    **dict.fromkeys(("tol", "tolerance", "reach"), "error"),
     **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
     **dict.fromkeys(("h_lambda", "hlambda"), "z"),
 }
@@ -125,7 +124,11 @@ WORDED_COUNTS = {word: n for n, word in enumerate(_COUNT_WORDS, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
 # Word that has no place in a question -> the question that answers it.
-ASKED_ELSEWHERE = {"stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4"}
+_COUNTED = "how many steps reach an error is what driftproof work-precision tells; with h or N a run tells its error"
+ASKED_ELSEWHERE = {
+    **dict.fromkeys(("error", "tol", "tolerance", "reach"), _COUNTED),
+    "stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4",
+}
 # A number of digits, which is an option and not part of a question.
 TO_DIGITS = re.compile(
     r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"

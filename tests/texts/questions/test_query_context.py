@@ -58,8 +58,6 @@ REFUSED = [
     ("step gauss2 h=1/2 : k1.q", 21, "not a readout of step"),
     ("step sdirk_order_2 h=1/2 : q", 6, "is a family of methods; choose one with at and a value of gamma"),
     ("run rk4 h=1/4 : q", 1, "run needs exactly two of h, t and N"),
-    ("run rk4 lambda=-2 t=1 error=1e-6 : steps", 1, "only on the oscillator is the number of steps for an error"),
-    ("steps of RK4 to t=10 with error=1e-6 problem=pendulum", 1, "only on the oscillator is the number of steps"),
     ("how many steps of rk4 for mine.toml with error 1e-6", 27, "to name a problem, write problem=mine.toml"),
     ("largest step of rk4", 1, "for a problem of your own there is driftproof stability mine.toml"),
     ("run rk4 h=1/4 t=10 N=40 : q", 1, "run needs exactly two of h, t and N"),
