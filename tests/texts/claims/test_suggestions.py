@@ -212,13 +212,6 @@ def test_a_number_far_from_what_its_place_names_is_a_slip_where_the_rest_of_its_
         assert found == slips, wrong
 
 
-@pytest.mark.parametrize(("of", "slips"), [("0.75", ["0.6328"]), ("2", [])])
-def test_what_a_run_has_a_step_before_or_after_the_time_of_the_place_is_a_slip(of, slips):
-    text = f"y' = -y, y(0) = 2. With h = 0.25, Euler has y = {_decay(of, 'y')} at t = 1."
-    found = Suggestions(text).slips(next(x for x in numbers_in(text) if len(x.text) > 5))
-    assert [*found.values()] == slips
-
-
 TOGETHER = "x' = v, v' = -4x, x(0) = 1, v(0) = 0. With h = 0.1 at t = 1 Heun's method has x = {} and v = {}; {}."
 
 
