@@ -333,7 +333,9 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        taken = [] if near["t"] else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if text.startswith(" after ", end) else []
+        taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+        taken = [] if near["t"] else taken
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
         near["t"] += [str(settings["t"])] * bool(row)

@@ -131,6 +131,8 @@ class TextReport(Printable):
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
         look = f"; {len(self.slips)} perhaps wrong" if self.slips else ""
         yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}{look}"
+        if self.slips:
+            yield 'to keep a number that is right, cover it by a claim with value, or with given = "why"'
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
         numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"

@@ -36,6 +36,7 @@ from driftproof.texts.questions.pieces import (
     OWN_PI,
     UNKNOWNS,
     PieceParser,
+    with_calls_bracketed,
     with_greek_spelled,
     with_powers_of_e,
     with_time,
@@ -86,7 +87,7 @@ def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
     question = of_first_order(with_greek_spelled(question))
     question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
-    question = with_powers_of_e(question, unknowns)
+    question = with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
     if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]

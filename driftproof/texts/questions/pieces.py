@@ -43,11 +43,15 @@ def with_roots_spelled(text: str) -> str:
     return re.sub(r"√([0-9]+\.[0-9]+|\w+)", r"sqrt(\1)", text).replace("√(", "sqrt(")
 
 
+def with_calls_bracketed(text: str) -> str:
+    """The text with sin(t) for sin t, and cos(2t) for cos 2t."""
+    return re.sub(r"\b(sin|cos|tan|tanh|exp|ln|log|sqrt) (\w+)(?![\w(])", r"\1(\2)", text)
+
+
 def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
     """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
     power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"
-    found = unknowns and "e" not in unknowns
-    return re.sub(power, lambda to: f"exp({to[1] or to[2]})", text) if found else text
+    return text if "e" in unknowns else re.sub(power, lambda to: f"exp({to[1] or to[2]})", text)
 
 
 @cache

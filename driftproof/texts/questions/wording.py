@@ -127,6 +127,7 @@ COUNTED = {"step", "steps", *PERIODS}
 _COUNTED = "how many steps reach an error is what driftproof work-precision tells; with h or N a run tells its error"
 ASKED_ELSEWHERE = {
     **dict.fromkeys(("error", "tol", "tolerance", "reach"), _COUNTED),
+    **dict.fromkeys(("started", "starting", "starts"), "what starts a multistep method is said as in started=rk4"),
     "stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4",
 }
 # A number of digits, which is an option and not part of a question.

@@ -384,13 +384,14 @@ def test_a_bound_on_the_orders_of_several_methods_is_the_order_of_none():
     assert {one.question: one.strong for one in Suggestions(text).look_alikes(number)}["order bdf6"] is False
 
 
-def test_a_state_in_brackets_is_at_the_time_behind_it():
+@pytest.mark.parametrize(("first", "second"), [("at t = 0.1", "at t = 0.2"), ("after one step", "after two")])
+def test_a_state_in_brackets_is_at_the_time_behind_it(first, second):
     text = "u' = u*(1.5 - v), v' = v*(u - 2), u(0) = 2, v(0) = 1. The explicit midpoint rule with h = 0.1 has "
-    claimed, slips = claims_and_slips(
-        text + "(u, v) = (2.10250, 1.00500) at t = 0.1 and (2.20804, 1.02061) at t = 0.2."
-    )
+    text += f"(u, v) = (2.10250, 1.00500) {first} and (2.20804, 1.02061) {second}."
+    claimed, slips = claims_and_slips(text)
     assert claimed["2.20804"].endswith("t=0.2 : u")
     assert slips == {}
+    assert claims_and_slips(text.replace("1.02061", "1.02016"))[1] == {"1.02016": ["1.02061"]}
 
 
 FACTS_SAID = [
