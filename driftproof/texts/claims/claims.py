@@ -61,7 +61,6 @@ class Claim:
     values: Mapping[str, Expected]
     count: int
     given: str | None
-    ignore_case: bool
     methods: tuple[str, ...] = ()
     fact: tuple[str, str] | None = None
     address: Address = ANYWHERE
@@ -146,7 +145,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
     with refused_in(f"claim {key!r}"):
         toml.require_keys(
             entry,
-            ("id", "phrase", "value", "values", "answer", "count", "given", "ignore_case", "method", *_ELSEWHERE),
+            ("id", "phrase", "value", "values", "answer", "count", "given", "method", *_ELSEWHERE),
             "a claim",
         )
         phrase, given = _phrase(entry), entry.get("given")
@@ -168,9 +167,8 @@ def _claim(entry: TomlTable, number: int) -> Claim:
                 "method is the key of a method that the text names where the value stands, or one for each"
             )
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
-        ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
         given = "given" if given is True else given
-        return Claim(key, phrase, values, count, given, ignore_case, tuple(methods), fact, _address(entry, len(values)))
+        return Claim(key, phrase, values, count, given, tuple(methods), fact, _address(entry, len(values)))
 
 
 def _address(entry: TomlTable, values: int) -> Address:

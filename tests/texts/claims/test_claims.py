@@ -25,7 +25,6 @@ def test_claims_file_says_phrases_values_forms_and_labels():
         rounding = "half-away"
         count = 2
         given = "why"
-        ignore_case = true
         [[label]]
         phrase = "{n} min"
         why = "time"
@@ -35,7 +34,6 @@ def test_claims_file_says_phrases_values_forms_and_labels():
     assert (claims.form, claims.coverage, claim.count, claim.given) == ("tex", Fraction(39, 40), 2, "why")
     assert claim.spellings() == {"t": ["10"], "q": ["0.878"], "v": ["-23/48"]}
     assert claim.phrase.written(claim.spellings()) == "at 10: (0.878, -23/48) of 5"
-    assert claim.ignore_case
     assert claims.labels[0].why == "time"
 
 
