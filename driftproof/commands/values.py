@@ -94,14 +94,13 @@ def _published(options: Namespace) -> str:
 @cli.command(
     cli.option("old", "values printed before, as JSON", type=Path),
     cli.option("new", "values printed now", type=Path),
-    cli.format_option("text json github", "github prints annotations for continuous integration"),
+    cli.format_option("text json"),
 )
 def diff_command(options: Namespace) -> str:
     """Compare two files of values: which changed in value, which only in digits or wording, which are new or gone.
 
     examples:
       driftproof diff old.json new.json
-      driftproof diff old.json new.json --format github      annotations, for a continuous-integration run
 
     old.json and new.json are outputs of `driftproof value --only '*'`, or of `driftproof value`, `facts`, `step` or
     `run` with --format json. A number changed in value if its exact forms differ, or if its decimals cannot be

@@ -101,8 +101,6 @@ AMBIGUOUS_FACTS = {
     **{f"{most}_{what}": _AT_THE_END for most in _MOST for what in _ENERGY_ERRORS},
     "cost": "stages METHOD, evaluations_per_step METHOD, or run METHOD h=1/10 t=1 : evaluations",
     **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
-    "machine_epsilon": "2**-52 (from 1 to the next binary64 number) or 2**-53 (the unit roundoff u)",
-    "unit_roundoff": "2**-53 (binary64) or 2**-24 (binary32)",
 }
 
 # Synonym -> setting.

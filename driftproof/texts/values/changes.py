@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -14,16 +14,16 @@ from typing import Any, TypeAlias
 from flint import fmpz
 
 from driftproof.support.files import read_utf8
-from driftproof.support.plain_text import annotation, as_json, table
+from driftproof.support.plain_text import as_json, table
 from driftproof.support.results import Printable
 
-# Kind of change -> its words in the singular and plural, and the level of its annotation; the most serious first.
+# Kind of change -> its words in the singular and plural; the most serious first.
 CHANGES = {
-    "value": ("value changed", "values changed", "error"),
-    "digits": ("only in digits", "only in digits", "notice"),
-    "wording": ("only in wording", "only in wording", "notice"),
-    "added": ("added", "added", "notice"),
-    "removed": ("removed", "removed", "warning"),
+    "value": ("value changed", "values changed"),
+    "digits": ("only in digits", "only in digits"),
+    "wording": ("only in wording", "only in wording"),
+    "added": ("added", "added"),
+    "removed": ("removed", "removed"),
 }
 # Larger files are refused: 64 MB hold some hundred thousand values.
 _LARGEST_FILE = 64 * 10**6
@@ -214,7 +214,7 @@ class Changes(Printable):
         return all(change.kind != "value" for change in self.found)
 
     def written(self, form: str) -> str:
-        """The changes as "text", the most serious first, as "json", or as "github" annotations on the new file."""
+        """The changes as "text", the most serious first, or as "json"."""
         counts = Counter(change.kind for change in self.found)
         if form == "json":
             files = {"old": str(self.old), "new": str(self.new)}
@@ -222,8 +222,6 @@ class Changes(Printable):
             return as_json({**files, "changes": listed, "counts": {kind: counts[kind] for kind in CHANGES}})
         counted = ", ".join(f"{counts[kind]} {words[counts[kind] != 1]}" for kind, words in CHANGES.items())
         counted = counted if self.found else f"{self.old} and {self.new} say the same"
-        if form == "github":
-            return "\n".join([*_annotations(self.found, self.new), counted])
         rows = [[kind, change.id, str(change)] for kind in CHANGES for change in self.found if change.kind == kind]
         return f"{table(rows)}\n\n{counted}" if rows else counted
 
@@ -242,15 +240,3 @@ def diff(old: str | Path, new: str | Path) -> Changes:
     """
     before, after = Path(old), Path(new)
     return Changes(tuple(changes(read_values(before), read_values(after))), before, after)
-
-
-def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:
-    """An annotation per change, on the first line that begins with its id or first key, else on line 1."""
-    lines: dict[str, int] = {}
-    for number, line in enumerate(new.read_text(encoding="utf-8-sig").splitlines(), start=1):
-        if match := re.match(r'\s*"([^"]*)":', line):
-            lines.setdefault(match[1], number)
-    for change in changes:
-        at = lines.get(change.id) or lines.get(re.split(r"[.\[]", change.id)[0], 1)
-        title, _, level = CHANGES[change.kind]
-        yield annotation(level, f"{change.id}: {change}", file=new, line=at, title=title)

@@ -130,30 +130,6 @@ def test_json_says_every_change_in_full_and_counts_kinds(files, run):
     assert said["counts"] == {**dict.fromkeys(CHANGES, 0), "value": 1, "wording": 1}
 
 
-def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files, run):
-    files(statement="so\n%")
-    _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
-    lines = Path("new.json").read_text(encoding="utf-8").splitlines()
-    at = next(i for i, line in enumerate(lines, start=1) if '"rk4.first_step.q"' in line)
-    notices = [line for line in out.splitlines() if line.startswith("::")]
-    assert f"::notice file=new.json,line={at},title=only in wording::rk4.first_step.q: " in notices[0]
-    assert "so %25" in notices[0]
-    files(exact="1/7")
-    _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
-    assert out.startswith(f"::error file=new.json,line={at},title=value changed::rk4.first_step.q: 337/384 = ")
-    Path("new.json").write_text("{\n}", encoding="utf-8")
-    _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
-    assert "::warning file=new.json,line=1,title=removed::rk4.first_step.q: " in out
-
-
-@pytest.mark.parametrize(("new", "line"), [({"a": 1, "b": {"a": 3}}, 3), ({"b": {"a": 2, "c": [3]}}, 2), ({}, 1)])
-def test_what_has_no_line_of_its_own_is_annotated_at_its_first_key(new, line, tmp_path, run):
-    for name, document in (("old", {"b": {"a": 2, "c": [1]}}), ("new", new)):
-        (tmp_path / name).write_text(json.dumps(document, indent=1), encoding="utf-8")
-    _, out, _ = run("diff", str(tmp_path / "old"), str(tmp_path / "new"), "--format", "github")
-    assert {found.partition(",")[0] for found in out.split("line=")[1:] if "::b." in found} == {str(line)}
-
-
 def test_answers_to_one_question_are_compared(tmp_path, run):
     for name, question in (("old", "order rk4"), ("new", "order rk4 + 1"), ("stable", "a_stable rk4")):
         (tmp_path / name).write_text(run("value", question, "--format", "json")[1], encoding="utf-8")
