@@ -37,15 +37,11 @@ def properties_in(text: str) -> Iterator[Said]:
     for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
         if not _IN_DOUBT.search(lower, max(0, match.start() - _BEFORE), match.end()):
             phrase = text[slice(*match.span())].replace("\n", " ")
-            for no, what in (("no", "what"), ("no2", "what2")):
-                if match[what]:
-                    yield from _said(match.start(), phrase, match["of"], match[what], "no" if match[no] else "yes")
-
-
-def _said(start: int, phrase: str, of: str, what: str, answer: str) -> Iterator[Said]:
-    fact, found = _FACTS[what], dict[str, str | None]()
-    for key in sorted(methods_named(of)):  # of leapfrog, both
-        with suppress(ValueError):  # a fact that a multistep method has not
-            found[key] = value(f"{fact} {key}").exact_text
-    if {*found.values()} in ({"yes"}, {"no"}):
-        yield Said(start, phrase, f"{fact} {next(iter(found))}", answer, answer in found.values())
+            for no, fact in ((x, _FACTS[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
+                answer, found = "no" if match[no] else "yes", dict[str, str | None]()
+                for key in sorted(methods_named(match["of"])):  # of leapfrog, both
+                    with suppress(ValueError):  # a fact that a multistep method has not
+                        found[key] = value(f"{fact} {key}").exact_text
+                if {*found.values()} in ({"yes"}, {"no"}):
+                    question = f"{fact} {next(iter(found))}"
+                    yield Said(match.start(), phrase, question, answer, answer in found.values())

@@ -88,11 +88,6 @@ def parse_question(question: str) -> Node:
     question = of_first_order(with_greek_spelled(question))
     question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
     question = with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
-    if rounded := wording.TO_DIGITS.search(question):
-        kind = "digits" if rounded["digits"] else "places"
-        count = rounded["count"]
-        how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
-        raise QuestionError(question, rounded.start() + 1, how)
     try:
         node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
     except QuestionError as error:

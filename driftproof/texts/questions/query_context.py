@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 _Entry = TypeVar("_Entry")
 
-START_AT_REST = (Fraction(1), Fraction(0))
-
 
 class QueryContext:
     """A query within the question `text`."""
@@ -33,7 +31,7 @@ class QueryContext:
     def start(self) -> tuple[Fraction, Fraction]:
         """The initial state of the oscillator, (1, 0) by default. Raises QuestionError for another dimension."""
         if self.query.start is None:
-            return START_AT_REST
+            return Fraction(1), Fraction(0)
         if len(self.query.start) != 2:
             raise self.error(None, "a start is a position and a velocity, as in 1,0")
         for entry in self.query.start:
