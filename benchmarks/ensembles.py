@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.engine import LORENZ, LORENZ_START
 from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import field_rate
 from driftproof.numeric.engine import compiled_ensemble_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
@@ -108,7 +108,7 @@ def heyoka_batches(name: str) -> Callable[[float], Solve]:
 
     field, _, end, _ = CASES[name]
     variables = [heyoka.expression(x) for x in field.components]
-    rate = field_rate(field, {function: getattr(heyoka, function) for function in FUNCTIONS})
+    rate = field_rate(field, {function: getattr(heyoka, function) for function in SMOOTH_FUNCTIONS})
     system = list(zip(variables, rate(heyoka.time, variables), strict=True))
     starts, width = starts_of(name), heyoka.recommended_simd_size()
 

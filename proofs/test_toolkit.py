@@ -5,7 +5,9 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from fractions import Fraction as Q
+from math import nan
 
+import numpy as np
 import pytest
 import sympy
 from flint import arb
@@ -122,6 +124,11 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     found = enclose(Q(float(readouts.state_error(state, flow))))
     assert not abs(found - true_error) > 2 * near_flow + 8 * enclose(U) * found + enclose(4 * ETA)
     phase = readouts.phase_error(state, flow)
+    for read in (readouts.state_error, readouts.phase_error, readouts.float_energy_change):  # arrays, too
+        alone = read(state, flow)
+        assert read(*(tuple(np.array([x, x]) for x in z) for z in (state, flow))).tolist() == pytest.approx(
+            [nan if alone is None else float(alone)] * 2, abs=0, rel=0, nan_ok=True
+        )
     if phase is None:
         assert state == (0, 0) or flow == (0, 0)
         return

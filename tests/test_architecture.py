@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1279,
-    "methods": 5553,
-    "symbolic": 10927,
-    "numeric": 4362,
+    "methods": 5554,
+    "symbolic": 10976,
+    "numeric": 4456,
     "blackbox": 22528,
-    "enclosure": 5435,
-    "texts": 10959,
+    "enclosure": 5451,
+    "texts": 10417,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6064
+BUDGET_OF_REPORTS_AND_FRONT = 6065
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,

@@ -20,6 +20,7 @@ from driftproof.enclosure.numbers import SELECTING, Enclosed, enclosed
 _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
 _MATH = {name: name for name in (*_SAME, "hypot", "copysign", "degrees", "radians")} | _OTHER
+_MATH_ALONE = ("erf", "erfc")
 _FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 # Of two numbers, of which the first may be a constant.
 _OF_TWO = ("hypot", "arctan2")
@@ -127,6 +128,8 @@ class _Math(ModuleType):
             arguments = tuple(enclosed(evaluations[0], x) for x in arguments)
             if name in _OF_FINITE:
                 return _as_finite(name, arguments[0])
+            if name in _MATH_ALONE:
+                return getattr(arguments[0], name)()
             if name not in _MATH:
                 raise Refused(f"f uses math.{name}, which has no enclosure")
             if name == "log" and len(arguments) == 2:

@@ -68,6 +68,7 @@ ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
     "cos": ("cos", lambda x, _: -x.sin()),
     "exp": ("exp", lambda _, y: y),
     "log": ("log", lambda x, _: inverse_of(x)),
+    "erf": ("erf", lambda x, _: (-(x * x)).exp() * (2 / arb.pi().sqrt())),
     "sqrt": ("sqrt", lambda _, y: inverse_of(2 * y, "takes the root of a number that may be 0")),
     "arctan": ("atan", lambda x, _: inverse_of(1 + x * x)),
     "arcsin": ("asin", lambda x, _: inverse_of(analytic("sqrt", 1 - x * x))),

@@ -161,6 +161,15 @@ class TaylorModel:
         """The cosine."""
         return self._sin_cos()[1]
 
+    def erf(self) -> TaylorModel:
+        """The error function; for the polynomial p, erf(p)' = p'g with g = 2 exp(-p²)/sqrt(π)."""
+        a, p, two = self._series("erf"), TaylorModel(self.polynomial, self.length), 2 / arb.pi().sqrt()
+        slope, g = self.polynomial.derivative(), two * (-p * p).exp()
+        error = beyond(slope * g.polynomial, self.length - 1) + beyond(slope, 0) * g.tail
+        (whole, _), first = self._variation(), self.coefficient(0)
+        steepest = two * (whole * (2 * abs(first) + whole) - first * first).exp()
+        return TaylorModel(a.polynomial, self.length, error / self.length + steepest * self.tail)
+
     def log(self) -> TaylorModel:
         """The logarithm; with a the series, log x = a + log(1 + ε), ε = x exp(-a) - 1."""
         a = self._series("log")

@@ -332,6 +332,7 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "log2": lambda x: x.log() / Enclosed(x.evaluation, arb(2).log()),
     "log10": lambda x: x.log() / Enclosed(x.evaluation, arb(10).log()),
     "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
+    "erfc": lambda x: 1 - x.erf(),
     "expit": lambda x: 1 / (1 + (-x).exp()),
     "sinc": lambda x: (x * Enclosed(x.evaluation, arb.pi())).sin() / (x * Enclosed(x.evaluation, arb.pi())),
     **dict.fromkeys(("conjugate", "item"), lambda x: x),
@@ -343,7 +344,7 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
 
 
 # Functions of NumPy and SciPy that have no loop over objects.
-_WITHOUT_LOOP = ("copysign", "exprel", "expit", "fmod", "heaviside", "sign", "xlogy")
+_WITHOUT_LOOP = ("copysign", "erf", "erfc", "exprel", "expit", "fmod", "heaviside", "sign", "xlogy")
 # What returns one of its arguments, which may be a constant: it stays exact in what f makes of it.
 SELECTING = ("maximum", "minimum", "fmax", "fmin", "clip")
 

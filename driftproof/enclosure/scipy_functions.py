@@ -64,7 +64,7 @@ def _of_special(name: str) -> Callable[[Any], Callable[..., Any]]:
 
 # By the public module and the name.
 OF_SCIPY = {
-    **{("scipy.special", name): _of_special(name) for name in ("expit", "exprel", "xlogy")},
+    **{("scipy.special", name): _of_special(name) for name in ("erf", "erfc", "expit", "exprel", "xlogy")},
     ("scipy.signal", "square"): _at_enclosed(_square),
     ("scipy.signal", "sawtooth"): _at_enclosed(_sawtooth),
     ("scipy.interpolate", "splev"): _at_enclosed(_splev),

@@ -11,7 +11,8 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import MethodError
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
-FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt", "abs")
+SMOOTH_FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
+FUNCTIONS = (*SMOOTH_FUNCTIONS, "abs")
 # A function with jumps, which has the derivative 0 elsewhere.
 FLOOR = "floor"
 # What derivatives use besides, as if it were constant: copysign(1, x), of abs.

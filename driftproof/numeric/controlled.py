@@ -1,4 +1,4 @@
-"""Whole runs with step-size control, compiled or in Python: explicit pairs, Gauss's and Radau IIA methods."""
+"""Whole runs with step-size control, compiled or in Python: pairs (explicit, Rosenbrock), Gauss's, Radau IIA."""
 
 from __future__ import annotations
 
@@ -10,14 +10,23 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.explicit_steps import FieldSource, field_source
 from driftproof.methods.program_text import indented, maker_text, used_stages
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import step_control
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.loops import loop, maker_of_rows
+from driftproof.numeric.rosenbrock import (
+    RosenbrockTable,
+    autonomous_writers,
+    rosenbrock_attempt,
+    rosenbrock_table,
+    work_of_stages,
+)
 from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempt, collocation_table, work_for
 from driftproof.numeric.step_control import (
     PairTable,
@@ -40,13 +49,14 @@ class ControlledRun:
     meets the tolerances, and if the run is given up after more than `most` calls.
     """
 
-    method: Method
+    method: Entry
     loop: Callable[..., None]
     power: float
     steady: float
     table: Any
     work: Callable[[int], Any]
     made: Callable[[Any], Any]
+    timed: bool = False  # t is one more component of the state
     steps: int = 0
     rejected: int = 0
     calls: int = 0
@@ -55,38 +65,50 @@ class ControlledRun:
         self, y: tuple[float, ...], end: float, relative: float, absolute: float, most: float = inf
     ) -> tuple[float, ...]:
         """Return the state at t = `end`."""
-        state, report = self.made(y), self.made([0.0] * 5)
+        state, report = self.made((*y, 0.0) if self.timed else y), self.made([0.0] * 5)
         given = Tolerances(relative, absolute, self.power, self.steady, most)
-        self.loop(state, end, StepControl(given, self.table, self.work(len(y)), report))
+        self.loop(state, end, StepControl(given, self.table, self.work(len(state)), report))
         self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
         if report[step_control.STATE] != step_control.DONE:
             short = report[step_control.STATE] == step_control.TOO_SHORT
             why = "no step size meets the tolerance" if short else f"given up after {most:.2g} evaluations"
             raise ArithmeticError(f"{self.method.key}: {why} from t = {report[step_control.TIME]:g}")
-        return tuple(map(float, state))
+        return tuple(map(float, state[: len(y)]))
 
 
-def controlled_runner(method: Method, field: VectorField, *, compiled: bool = False) -> ControlledRun:
-    """The run of an explicit pair, or of a collocation method without the node 0, in floats or compiled by numba.
+def controlled_runner(method: Entry, field: VectorField, *, compiled: bool = False) -> ControlledRun:
+    """The run of a pair, explicit or Rosenbrock, or of a collocation method without the node 0; compiled by numba.
 
     A compiled run compiles at its first call. Raises MethodError for methods without an error estimate.
     """
-    writers = field_writers(field, compiled=compiled)
-    table: PairTable | CollocationTable
+    writers, timed = field_writers(field, compiled=compiled), False
+    table: PairTable | CollocationTable | RosenbrockTable
     attempt: StepAttempt
-    if isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
+    if isinstance(method, Rosenbrock):
+        attempt, table = rosenbrock_attempt, _rosenbrock_pair(method, field, compiled=compiled)
+        writers, timed = autonomous_writers(field, compiled=compiled), table.timed
+        power, steady = min(method.claimed_order, method.embedded_order or 0) + 1.0, 1.0
+        work: Callable[[int], Any] = partial(work_of_stages, table=table, writers=writers)
+    elif isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
         step = _pair_step(method, field, compiled=compiled)
         stages = used_stages(method.a, [method.b, method.b_embedded])
         attempt, table = pair_attempt, PairTable(step, len(stages) - 1, _keeps_last(method))
         power, steady = min(method.claimed_order, method.embedded_order or 0) + 1.0, 1.0
-        work: Callable[[int], Any] = lambda n: tuple(writers.zeros(3, n))
+        work = lambda n: tuple(writers.zeros(3, n))
     else:
-        known = collocation_table(method)
+        known = collocation_table(of_one_state(method))
         attempt, table = collocation_attempt, CollocationTable(*map(np.array, known)) if compiled else known
         power, steady, work = len(known.c) + 1.0, STEADY, partial(work_for, table=known, writers=writers)
     steps = partial(loop(controlled_steps, compiled=compiled), writers, loop(attempt, compiled=compiled))
     made = maker_of_rows(compiled=compiled)
-    return ControlledRun(method, steps, power, steady, table, work, made)
+    return ControlledRun(method, steps, power, steady, table, work, made, timed)
+
+
+def _rosenbrock_pair(method: Rosenbrock, field: VectorField, *, compiled: bool) -> RosenbrockTable:
+    if method.b_embedded is None:
+        raise MethodError(f"{method.key} has no error estimate: no second row of weights")
+    off = [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
+    return rosenbrock_table(method, off, field, compiled=compiled)
 
 
 def _keeps_last(method: RungeKutta) -> bool:

@@ -1,12 +1,17 @@
-"""Steps of Rosenbrock methods in floats: each stage solves one linear system with the Jacobian, without iteration."""
+"""Steps of Rosenbrock methods in floats: each stage solves one linear system with the Jacobian, without iteration.
+
+An attempt of a pair is repeated with a shorter h by the same Jacobian and the same f(y); see `numeric.step_control`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache, partial
 from itertools import pairwise
-from math import isfinite
+from math import inf, isfinite
 from typing import Any, NamedTuple
 
+from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
@@ -14,6 +19,7 @@ from driftproof.numeric.elimination import Band, factored, solve
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import ImplicitRun
 from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
+from driftproof.numeric.step_control import EVALUATIONS, StepControl, error_size
 
 
 class RosenbrockTable(NamedTuple):
@@ -22,20 +28,56 @@ class RosenbrockTable(NamedTuple):
     alpha: Any
     gamma: Any
     b: Any
+    off: Any  # b - b_embedded, or nothing
     anew: Any  # whether the stage needs f at another place than the stage before
     timed: bool
 
 
+class RosenbrockWork(NamedTuple):
+    """What the stages of a step are computed in: J and f at its start, its slopes, and the workspace of one stage."""
+
+    jacobian: Any
+    begin: Any
+    slopes: Any
+    matrix: Any
+    order: Any
+    place: Any
+    rate: Any
+    mixed: Any
+
+
 def rosenbrock_runner(method: Rosenbrock, field: VectorField, *, compiled: bool = False) -> ImplicitRun:
     """The loop of a Rosenbrock method on floats or, with the same bits, compiled; J and ∂f/∂t are exact formulas."""
+    table = rosenbrock_table(method, (), field, compiled=compiled)
+    steps = partial(loop(run_rosenbrock, compiled=compiled), autonomous_writers(field, compiled=compiled))
+    return ImplicitRun(method.key, steps, table, maker_of_rows(compiled=compiled))
+
+
+def rosenbrock_table(
+    method: Rosenbrock, off: Sequence[Exact], field: VectorField, *, compiled: bool
+) -> RosenbrockTable:
+    """The stages that b or `off` weighs, those weights, and whether the field reads t."""
     made = maker_of_rows(compiled=compiled)
-    stages = max((i for i, x in enumerate(method.b, 1) if x), default=1)  # those behind are for an error estimate
-    alpha, gamma = ([[*map(float, row)] for row in rows[:stages]] for rows in (method.alpha, method.gamma))
-    anew = [True, *(before != row for before, row in pairwise(method.alpha[:stages]))]
-    b = [*map(float, method.b[:stages])]
-    table = RosenbrockTable(made(alpha), made(gamma), made(b), anew, not field.autonomous)
-    writers = field_writers(field if field.autonomous else _made_autonomous(field), compiled=compiled)
-    return ImplicitRun(method.key, partial(loop(run_rosenbrock, compiled=compiled), writers), table, made)
+    stages = max((i for row in (method.b, off) for i, x in enumerate(row, 1) if x), default=1)
+    rows = [[*map(float, row[:stages])] for row in (*method.alpha[:stages], *method.gamma[:stages], method.b, off)]
+    anew = [False, *(before != row for before, row in pairwise(method.alpha[:stages]))]
+    alpha, gamma = (made(rows[i : i + stages]) for i in (0, stages))
+    return RosenbrockTable(alpha, gamma, made(rows[-2]), made(rows[-1]), anew, not field.autonomous)
+
+
+def autonomous_writers(field: VectorField, *, compiled: bool) -> FieldWriters:
+    """The functions of the field that the loops call; if it reads t, of the system with t as its last component."""
+    return field_writers(field if field.autonomous else _made_autonomous(field), compiled=compiled)
+
+
+def work_of_stages(n: int, table: RosenbrockTable, writers: FieldWriters) -> RosenbrockWork:
+    """Allocate the workspace for a system of n equations."""
+    band, zeros = writers.band, writers.zeros
+    width = min(n, band.lower + band.upper + 1)
+    vectors, matrix = [zeros(n) for _ in range(4)], zeros(n, min(n, width + band.lower))
+    begin, place, rate, mixed = vectors
+    stages = zeros(len(table.b), n)
+    return RosenbrockWork(zeros(n, width), begin, stages, matrix, writers.indices(n), place, rate, mixed)
 
 
 @cache
@@ -65,19 +107,26 @@ def _add_weighted(weights: Any, rows: Any, count: int, k: int) -> float:
     return total
 
 
-def _take_step(writers: FieldWriters, y: Any, h: float, table: RosenbrockTable, report: Any) -> int:
-    """Take one step of an autonomous system in place; return DONE, SINGULAR or OVERFLOWS."""
-    n, stages, zeros, band = len(y), len(table.b), writers.zeros, writers.band
-    width = min(n, band.lower + band.upper + 1)
-    jacobian, matrix, order = zeros(n, width), zeros(n, min(n, width + band.lower)), writers.indices(n)
-    slopes, place, rate, mixed, factor = zeros(stages, n), zeros(n), zeros(n), zeros(n), 0.0
-    writers.jacobian(0.0, y, jacobian)
-    for i in range(stages):
+def _begin_step(writers: FieldWriters, y: Any, work: RosenbrockWork) -> None:
+    """Evaluate J and f at the start of a step."""
+    writers.jacobian(0.0, y, work.jacobian)
+    writers.rate(0.0, y, work.begin)
+
+
+def _solve_stages(
+    writers: FieldWriters, y: Any, h: float, table: RosenbrockTable, work: RosenbrockWork
+) -> tuple[int, bool]:
+    """Write the slopes of an autonomous system; return the calls of f, and False if a matrix is singular."""
+    jacobian, begin, slopes, matrix, order, place, rate, mixed = work
+    n, band, factor, calls = len(y), writers.band, 0.0, 0
+    for k in range(n):
+        rate[k] = begin[k]
+    for i in range(len(table.b)):
         if table.anew[i]:
             for k in range(n):
                 place[k] = y[k] + h * _add_weighted(table.alpha[i], slopes, i, k)
             writers.rate(0.0, place, rate)
-            report[newton.EVALUATIONS] += 1
+            calls += 1
         for k in range(n):
             mixed[k] = _add_weighted(table.gamma[i], slopes, i, k)
         for k in range(n):
@@ -88,14 +137,10 @@ def _take_step(writers: FieldWriters, y: Any, h: float, table: RosenbrockTable, 
         diagonal = table.gamma[i][i]
         if diagonal != 0:
             if diagonal != factor and not _factored_stage_matrix(matrix, order, h * diagonal, jacobian, band):
-                return newton.SINGULAR
+                return calls, False
             factor = diagonal
             solve(matrix, order, n, slopes[i], band.lower, band.upper)
-    finite = True
-    for k in range(n):
-        y[k] += h * _add_weighted(table.b, slopes, stages, k)
-        finite = finite and isfinite(y[k])
-    return newton.DONE if finite else newton.OVERFLOWS
+    return calls, True
 
 
 def run_rosenbrock(
@@ -104,14 +149,41 @@ def run_rosenbrock(
     """Take steps first to last - 1, step i from t + i h; stop at the first that fails."""
     n = len(y)
     state = writers.zeros(n + 1 if table.timed else n)
+    work = work_of_stages(len(state), table, writers)
     for k in range(n):
         state[k] = y[k]
     for i in range(first, last):
         if table.timed:
             state[n] = t + i * h
-        report[newton.STATE] = _take_step(writers, state, h, table, report)
+        _begin_step(writers, state, work)
+        calls, regular = _solve_stages(writers, state, h, table, work)
+        report[newton.EVALUATIONS] += 1 + calls
+        report[newton.STATE] = newton.DONE if regular else newton.SINGULAR
+        if regular:
+            for k in range(len(state)):
+                state[k] += h * _add_weighted(table.b, work.slopes, len(table.b), k)
+                if not isfinite(state[k]):
+                    report[newton.STATE] = newton.OVERFLOWS
         if report[newton.STATE] != newton.DONE:
             report[newton.STEP] = i
             break
     for k in range(n):
         y[k] = state[k]
+
+
+def rosenbrock_attempt(
+    writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
+) -> float:
+    """Attempt a step of an autonomous system; the error is h Σ (bᵢ - b̂ᵢ) kᵢ."""
+    given, table, work, report = control
+    if moved:
+        _begin_step(writers, y, work)
+        report[EVALUATIONS] += 1
+    calls, regular = _solve_stages(writers, y, h, table, work)
+    report[EVALUATIONS] += calls
+    if not regular:
+        return inf
+    for k in range(len(y)):
+        new[k] = y[k] + h * _add_weighted(table.b, work.slopes, len(table.b), k)
+        work.place[k] = h * _add_weighted(table.off, work.slopes, len(table.b), k)
+    return error_size(work.place, y, new, given)

@@ -49,6 +49,7 @@ from driftproof.symbolic.algebra.certified import (
     enclose,
     significant,
 )
+from driftproof.symbolic.claimed_orders import false_claims
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.multistep_systems import MultistepSystemFacts
@@ -125,6 +126,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
     return {
         **header,
         **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
+        **({"claims": list(map(str, missed))} if (missed := false_claims(method)) else {}),
         "expected": expected_of(problem, method),
         **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],

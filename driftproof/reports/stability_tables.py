@@ -22,7 +22,8 @@ def stability_text(answer: Json) -> str:
     tables = [part(answer, applying) for part in (_limits_text, _runs_text, _expected_text) if applying]
     reasons = [f"{entry['method']} does not apply: {entry['refused']}" for entry in refused]
     starts = [f"first values of {each['method']}: steps of {each['started']}" for each in applying if "started" in each]
-    return "\n\n".join(filter(None, [answer["title"], *tables, "\n".join(starts), *reasons]))
+    claims = [f"{each['method']}: {line}" for each in applying for line in each.get("claims", ())]
+    return "\n\n".join(filter(None, [answer["title"], *tables, "\n".join([*starts, *claims]), *reasons]))
 
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
@@ -68,20 +68,25 @@ def stated_order(method: Entry) -> int:
     return next((found.order for found in false_claims(method) if not found.embedded), method.claimed_order)
 
 
+@cache
 def false_claims(method: Entry) -> list[UnreachedOrder]:
     """`unreached_orders` of a method of the user's own; those of the catalogue are tested to have none."""
     return [] if method in (METHODS.get(method.key), FACTS_ONLY.get(method.key)) else unreached_orders(method)
 
 
-def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
-    """`stated_order` of each method, by key.
+def stated_orders(methods: Iterable[Entry]) -> dict[str, str]:
+    """`stated_order` of each method in words, by key, with a claim that is not true.
 
     >>> from driftproof.methods.catalogue import METHODS
     >>> from driftproof.symbolic.claimed_orders import stated_orders
     >>> stated_orders([METHODS["rk4"]])
-    {'rk4': 4}
+    {'rk4': '4'}
     """
-    return {method.key: stated_order(method) for method in methods}
+    found = {method.key: (stated_order(method), method.claimed_order) for method in methods}
+    return {
+        key: f"{order}, not {claimed} as claimed" if 0 < claimed != order else str(order)
+        for key, (order, claimed) in found.items()
+    }
 
 
 def _exchanged(method: Any) -> Iterator[tuple[str, Entry]]:

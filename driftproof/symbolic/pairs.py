@@ -12,6 +12,7 @@ from driftproof.methods.catalogue import EMBEDDED_SUFFIX, extensions_of
 from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
 from driftproof.symbolic.linear.fact_values import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
@@ -62,11 +63,18 @@ def estimate_facts(method: RungeKutta) -> EstimateFacts | None:
     other = method.embedded(EMBEDDED_SUFFIX)
     row = [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
     conditions = RungeKuttaConditions(*tableau_stages(method.a, row))
-    vanishing = next(n for n in count(1) if any(conditions.of_order(n))) - 1
-    function = ExactFunction(stability_function(method) - stability_function(other))
-    limit = function.f.at_infinity()
+    difference = stability_function(method) - stability_function(other)
     ratios = (None, None) if method.decimal or method.field else _ratios(method, other)
-    return EstimateFacts(vanishing, function, INFINITY if limit is None else _size(limit), *ratios)
+    return described_estimate(conditions, difference, ratios)
+
+
+def described_estimate(
+    conditions: RungeKuttaConditions, difference: RationalFunction, ratios: tuple[RealRoot | None, RealRoot | None]
+) -> EstimateFacts:
+    """The facts about an estimate, from the conditions of the row b - b̂, which is not 0, and from E(z)."""
+    vanishing = next(n for n in count(1) if any(conditions.of_order(n))) - 1
+    limit = difference.at_infinity()
+    return EstimateFacts(vanishing, ExactFunction(difference), INFINITY if limit is None else _size(limit), *ratios)
 
 
 def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
@@ -13,6 +14,8 @@ from driftproof.methods.number_field import Exact, total
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.linear.printed_digits import RoundedOrder
+from driftproof.symbolic.linear.stability_function import stability_function
+from driftproof.symbolic.pairs import EstimateFacts, described_estimate
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, Scalars, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     OrderFact,
@@ -180,6 +183,17 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     def embedded_order(self) -> int | None:
         """The order of the embedded weights with J = f'(y); None without such weights."""
         return None if self.method.b_embedded is None else order_of(self._conditions(self.method.b_embedded)).order
+
+    @cached_property
+    def estimate(self) -> EstimateFacts | None:
+        """The error estimate of a pair: its order, and E(z) on y' = λy; where E = 0 it is blind to linear problems."""
+        b, other = self.method.b, self.method.b_embedded
+        if other is None or other == b:
+            return None
+        conditions = self._conditions([x - y for x, y in zip(b, other, strict=True)])
+        twin = self.method.linear_twin()
+        difference = stability_function(twin) - stability_function(replace(twin, b=other))
+        return described_estimate(conditions, difference, (None, None))
 
     @cached_property
     def stiffly_accurate(self) -> bool:

@@ -17,13 +17,18 @@ from tests.enclosure.test_numbers import ball
 FUNCTIONS = {
     **dict.fromkeys(("sin", "cos", "tan", "exp", "log", "sqrt", "arctan", "arcsin", "arccos", "sinh", "cosh"), 0.3),
     **dict.fromkeys(("tanh", "expm1", "log1p", "log2", "log10", "cbrt", "radians", "degrees", "square"), 0.4),
-    **{"reciprocal": 0.7, "absolute": -0.7, "negative": 0.2, "deg2rad": 0.3, "rad2deg": 0.3},
+    **{"erf": 0.3, "erfc": 0.3, "reciprocal": 0.7, "absolute": -0.7, "negative": 0.2, "deg2rad": 0.3, "rad2deg": 0.3},
 }
+
+
+def of(name):
+    """The function of NumPy or SciPy."""
+    return getattr(np, name, None) or getattr(pytest.importorskip("scipy.special"), name)
 
 
 @pytest.mark.parametrize(("name", "x"), [*FUNCTIONS.items(), ("cbrt", -0.4), ("absolute", 0.7)])
 def test_value_and_derivative_are_those_of_the_function(name, x):
-    function = getattr(np, name)
+    function = of(name)
     found = function(ball(arb(x), 1))
     # A double's function and a central difference at 2^-16: 1e-15 and (2^-16)^2 times a third derivative below 100.
     assert abs(float(found.value.mid()) - function(x)) < 1e-14 * (1 + abs(function(x)))
@@ -36,8 +41,8 @@ def test_value_and_derivative_are_those_of_the_function(name, x):
 def test_series_are_those_of_the_values_near_by(name):
     decided, small = [FUNCTIONS[name] > 0], arb(2) ** -8
     x = arb(FUNCTIONS[name])
-    along = getattr(np, name)(series(Replay(outcomes=decided), [x, arb(1)], 10)).value
-    near = getattr(np, name)(ball(x + small, evaluation=Replay(outcomes=decided))).value
+    along = of(name)(series(Replay(outcomes=decided), [x, arb(1)], 10)).value
+    near = of(name)(ball(x + small, evaluation=Replay(outcomes=decided))).value
     total = sum((arb_series(along)[k] * small**k for k in range(10)), arb(0))
     assert abs(total - near) < 1e-12
 

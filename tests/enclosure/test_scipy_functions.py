@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -63,7 +64,14 @@ PRODUCTS = {
     "scaled": lambda t, y: (2 * A - B * t) @ y + (-(y[0] * A) / 2) @ y + (A.T @ y) + (A + np.eye(3)) @ y,
     "of columns": lambda t, y: (A @ np.outer(y, y))[:, 0] + (A @ B) @ y + A @ np.ones(3),
     "functions": lambda t, y: (
-        special.expit(y) + special.expit(y[0]) + special.xlogy(y[1], 2.0) + 3 * special.xlogy(2, y[1])
+        special.erf(y)
+        + special.erfc(2 * y[0])
+        + math.erf(y[1])
+        + math.erfc(y[0])
+        + special.expit(y)
+        + special.expit(y[0])
+        + special.xlogy(y[1], 2.0)
+        + 3 * special.xlogy(2, y[1])
     ),
     "waves": lambda t, y: signal.square(y, 0.25) + signal.sawtooth(np.array([0.5, 1.0, 2.0])) + signal.sawtooth(y, 0.3),
 }

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction as Q
 from functools import partial
-from math import exp
+from math import exp, inf
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import METHODS, entry_named
+from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import float_start
@@ -15,17 +17,20 @@ from driftproof.numeric.controlled import _pair_step, controlled_runner
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.reference_errors import distance_from_digits
+from driftproof.numeric.rosenbrock import rosenbrock_attempt
 from driftproof.numeric.simplified_newton import collocation_attempt
-from driftproof.numeric.step_control import Tolerances, controlled_steps
+from driftproof.numeric.step_control import StepControl, Tolerances, controlled_steps
 
 EXPONENTIAL = VectorField(("y0",))
 
 
-@pytest.mark.parametrize("key", ["radau_iia3", "gauss2", "radau_iia4", "dormand_prince54", "bogacki_shampine32"])
+@pytest.mark.parametrize(
+    "key", ["radau_iia3", "gauss2", "radau_iia4", "dormand_prince54", "bogacki_shampine32", "grk4t", "rodas4"]
+)
 def test_a_smaller_tolerance_takes_more_steps_and_errs_less(key):
     """The oscillator neither magnifies nor damps errors of steps, and so of two components they add up at most."""
     problem, last = PROBLEMS["harmonic_oscillator"], 0
-    run = controlled_runner(METHODS[key], problem.field)
+    run = controlled_runner(entry_named(key), problem.field)
     for tolerance in (1e-3, 1e-5, 1e-7):
         found = run(float_start(problem), float(problem.t), 0.0, tolerance)
         assert distance_from_digits(found, problem.reference.states[-1]) < 2 * run.steps * tolerance
@@ -35,14 +40,14 @@ def test_a_smaller_tolerance_takes_more_steps_and_errs_less(key):
 
 POWERS = [
     ("dormand_prince54", 5, 1), ("merson45", 4, 1), ("heun_euler21", 2, 1), ("radau_iia3", 4, 1.2),
-    ("gauss2", 3, 1.2),
+    ("gauss2", 3, 1.2), ("rodas4", 4, 1), ("ode23s", 3, 1),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("key", "power", "steady"), POWERS)
 def test_the_controller_is_told_the_power_of_h_and_which_growths_to_leave(key, power, steady):
     """Of a pair every growth is taken; the matrices of an implicit method are worth a fifth."""
-    run, seen = controlled_runner(METHODS[key], EXPONENTIAL), []
+    run, seen = controlled_runner(entry_named(key), EXPONENTIAL), []
     run.loop = lambda y, end, control: seen.append((end, control.given))
     assert run((1.0,), 2.0, 1e-3, 1e-4, 50) == (1.0,)
     assert seen == [(2.0, Tolerances(1e-3, 1e-4, power, steady, 50))]
@@ -70,10 +75,12 @@ def test_calls_are_those_that_are_made():
         assert run.calls == 2 + others * (run.steps + run.rejected) + (1 if keeps else run.steps)
     calls, system = [], field_writers(PROBLEMS["kepler"].field, compiled=False)
     counting = system._replace(rate=lambda t, y, f: calls.append(t) or system.rate(t, y, f))
-    run = controlled_runner(METHODS["radau_iia3"], PROBLEMS["kepler"].field)
-    run.loop = partial(controlled_steps, counting, collocation_attempt)
-    run(start, 1.0, 1e-6, 1e-6)
-    assert run.calls == len(calls) > 4 * run.steps
+    for key, attempt, least in (("radau_iia3", collocation_attempt, 4), ("rodas4", rosenbrock_attempt, 6)):
+        calls.clear()
+        run = controlled_runner(entry_named(key), PROBLEMS["kepler"].field)
+        run.loop = partial(controlled_steps, counting, attempt)
+        run(start, 1.0, 1e-6, 1e-6)
+        assert run.calls == len(calls) >= least * run.steps
 
 
 def test_a_step_of_a_pair_is_that_of_its_weights_and_its_error_their_difference():
@@ -101,25 +108,49 @@ def test_a_component_that_starts_at_zero_may_have_no_tolerance_there():
         controlled_runner(METHODS["radau_iia2"], field)((0.0,), 2.0, 1e-3, 0.0)
 
 
+def test_a_rosenbrock_step_that_is_not_accepted_takes_neither_f_nor_its_derivatives_again():
+    """Van der Pol's oscillator, whose jumps come after long steps: J is made once for each step that was taken."""
+    made, problem = [], PROBLEMS["van_der_pol_1e3"]
+    run, system = controlled_runner(entry_named("rodas3"), problem.field), field_writers(problem.field, compiled=False)
+    counting = system._replace(jacobian=lambda *place: made.append(place[0]) or system.jacobian(*place))
+    run.loop = partial(controlled_steps, counting, rosenbrock_attempt)
+    run(float_start(problem), float(problem.t), 1e-4, 1e-7)
+    assert len(made) == run.steps > run.rejected > 0
+    assert run.calls == 2 + 2 * (run.steps + run.rejected) + run.steps
+
+
+def test_a_singular_matrix_only_shortens_the_step():
+    """Linearly implicit Euler and its embedded half of it on y' = 2y: no step of 1/2, but shorter ones."""
+    pair = Rosenbrock("pair", "", 1, "", ((0,),), ((1,),), (1,), (Q(1, 2),), 0)
+    field, new = VectorField(("2 * y0",)), [0.0]
+    run, writers = controlled_runner(pair, field), field_writers(field, compiled=False)
+    control = StepControl(Tolerances(0.0, 4.0, 1.0), run.table, run.work(1), [0.0] * 5)
+    assert rosenbrock_attempt(writers, 0.0, [1.0], 0.5, True, new, control) == inf
+    # k = 2 / (1 - 1/2), and h k / 2 = 1/2, over 4
+    assert rosenbrock_attempt(writers, 0.0, [1.0], 0.25, False, new, control) == 0.125
+    assert (new, control.report[0]) == ([2.0], 1)
+
+
 def test_methods_without_an_estimate_are_refused():
-    for key in ("rk4", "velocity_verlet", "trapezoid"):
+    single = Rosenbrock("single", "", 1, "", ((0,),), ((1,),), (1,))
+    for method in (*map(entry_named, ("rk4", "velocity_verlet", "trapezoid")), single):
         with pytest.raises(MethodError, match="no error estimate"):
-            controlled_runner(METHODS[key], EXPONENTIAL)
+            controlled_runner(method, EXPONENTIAL)
 
 
 def test_time_is_read_where_the_field_reads_it():
     """y' = -2ty, y = exp(-t²)."""
-    for key in ("dormand_prince54", "gauss3"):
-        (found,) = controlled_runner(METHODS[key], VectorField(("-2 * t * y0",)))((1.0,), 1.5, 0.0, 1e-9)
+    for key in ("dormand_prince54", "gauss3", "rodas4"):
+        (found,) = controlled_runner(entry_named(key), VectorField(("-2 * t * y0",)))((1.0,), 1.5, 0.0, 1e-9)
         assert found == pytest.approx(exp(-2.25), abs=1e-8)
 
 
 @pytest.mark.long  # compiling takes ten seconds a field
-@pytest.mark.parametrize("key", ["radau_iia3", "gauss2", "dormand_prince54", "merson45"])
+@pytest.mark.parametrize("key", ["radau_iia3", "gauss2", "dormand_prince54", "merson45", "rodas4"])
 def test_compiled_runs_have_the_same_bits_and_take_the_same_steps(key):
     pytest.importorskip("numba")
     problem = PROBLEMS["oregonator"]
-    plain, compiled = (controlled_runner(METHODS[key], problem.field, compiled=fast) for fast in (False, True))
+    plain, compiled = (controlled_runner(entry_named(key), problem.field, compiled=fast) for fast in (False, True))
     for tolerance in (1e-4, 1e-7):
         assert plain(float_start(problem), 2.0, tolerance, tolerance) == compiled(
             float_start(problem), 2.0, tolerance, tolerance

@@ -139,6 +139,15 @@ def test_a_method_that_does_not_apply_says_why(answer):
     assert "ars222 does not apply: ars222 is an IMEX method" in out
 
 
+def test_an_order_that_an_own_table_claims_and_lacks_is_told(tmp_path):
+    table = tmp_path / "mine.toml"
+    rows = 'family = "runge_kutta"\nA = [[0, 0], ["1/2", 0]]\nb = [{}]\nclaimed_order = 2\n'
+    for weights, told in (("0, 1", False), ("1, 0", True)):
+        table.write_text(rows.format(weights))
+        text = str(driftproof.stability("dahlquist_1", [str(table), "rk4"]))
+        assert ("\n\nmine: claimed order 2, has 1" in text) is told
+
+
 def test_methods_of_several_states_and_with_a_jacobian_have_limits_factors_and_starts(answer, stability):
     out = answer(
         "stability", "dahlquist_1e3", "--methods", "adams_bashforth2,bdf2,adams_moulton2,rodas4", "--h", "1/500"

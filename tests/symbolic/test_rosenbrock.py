@@ -6,10 +6,12 @@ from math import log2
 
 import numpy as np
 import pytest
+from flint import fmpq
 
 from driftproof import METHODS, Facts, facts, significant
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named
 from driftproof.methods.rosenbrock import Rosenbrock
+from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
 from tests.looping import exactly, some
 
@@ -106,6 +108,21 @@ def test_stability_is_that_in_the_papers():
     assert [key for key, facts in found.items() if facts.stiffly_accurate] == ["rodas3"]
     assert [str(found[key].diagonal) for key in ("ros2", "rodas3")] == ["1 - 1/2*sqrt(2)", "1/2"]
     assert found["rodas4"].stability_within_digits.l_stable
+
+
+def test_the_estimate_is_the_difference_of_the_rows_and_that_of_ros3p_is_blind_to_linear_problems():
+    """E(z) at z = -1 against steps of both rows on y' = -y by h = 1 in floats; both orders; E at infinity."""
+    for key, method in exactly(6, EVERY.items()):
+        found, h = RosenbrockFacts(method).estimate, 1.0
+        alpha, gamma, b = arrays(method)
+        slopes = np.linalg.solve(np.eye(len(b)) + h * (alpha + gamma), -np.ones(len(b)))
+        difference = float((b - arrays(method, method.b_embedded)[2]) @ slopes) * h
+        assert float(exact(found.function.f(fmpq(-1)))) == pytest.approx(difference, abs=1e-12), key
+        assert method.decimal or found.order == min(ORDERS[key][::2])
+    blind = RosenbrockFacts(EVERY["ros3p"]).estimate
+    assert (blind.function.f.data()["num"], blind.order, blind.at_infinity) == (["0"], 2, 0)
+    assert RosenbrockFacts(EVERY["rodas4"]).estimate.at_infinity == 0
+    assert RosenbrockFacts(replace(EVERY["ros2"], b_embedded=EVERY["ros2"].b)).estimate is None
 
 
 def test_without_gamma_it_is_the_explicit_method_and_with_gamma_alone_another():

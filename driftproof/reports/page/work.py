@@ -104,7 +104,7 @@ def _sentence(curve: Curve) -> str:
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 
-def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> str:
+def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}) -> str:
     """A row per method: the order stated and measured, the fewest evaluations for each goal, or why it has none."""
     header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
     rows, fewest = [], {curve.key: [_fewest_calls(curve, 10.0**goal) for goal in _GOALS] for curve in found}

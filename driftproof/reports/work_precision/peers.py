@@ -12,8 +12,9 @@ from importlib import import_module
 from math import inf
 from typing import Any
 
-from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.vector_fields import FUNCTIONS
+from driftproof.methods.catalogue import Entry
+from driftproof.methods.schemes import MethodError
+from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.engine import functions_of
@@ -82,7 +83,7 @@ class ControlledSolver(Solver):
 
     once = 10**7
 
-    def __init__(self, method: Method, problem: Problem, *, compiled: bool) -> None:
+    def __init__(self, method: Entry, problem: Problem, *, compiled: bool) -> None:
         """Compile nothing yet. Raises MethodError for a method without an error estimate."""
         self.run = controlled_runner(method, problem.field, compiled=compiled)
         self.start = float_start(problem)
@@ -139,7 +140,7 @@ class _Heyoka(Solver):
             raise MethodError("it has no kinks and jumps")
         self.heyoka, self.start = import_module("heyoka"), float_start(problem)
         variables = [self.heyoka.expression(name) for name in problem.field.components]
-        rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in FUNCTIONS})
+        rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in SMOOTH_FUNCTIONS})
         self.system = list(zip(variables, rate(self.heyoka.time, variables), strict=True))
         self.compiled: dict[float, Any] = {}
 

@@ -221,7 +221,7 @@ def _reduces(problem: Problem) -> str:
     return "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
 
 
-def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, int | str] = {}) -> list[list[str]]:
+def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}) -> list[list[str]]:
     """Stated and measured order, with the least and the largest slope, and the least error; and what reduces orders."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():

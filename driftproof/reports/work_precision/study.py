@@ -15,8 +15,8 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from driftproof import __version__
-from driftproof.methods.catalogue import Entry, of_one_state
-from driftproof.methods.schemes import Method, MethodError
+from driftproof.methods.catalogue import Entry
+from driftproof.methods.schemes import MethodError
 from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
@@ -173,7 +173,7 @@ def _contestants(study: Study) -> list[_Contestant]:
         curve = partial(curve_of, method, problem, compiled=True, most=once)
         found.append(_Contestant(method.key, curve, partial(_calls_of_method, method, problem)))
         with suppress(MethodError):  # of a method without an error estimate
-            found.append(_controlled(of_one_state(method), study))
+            found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
             key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
@@ -182,7 +182,7 @@ def _contestants(study: Study) -> list[_Contestant]:
     return found
 
 
-def _controlled(method: Method, study: Study) -> _Contestant:
+def _controlled(method: Entry, study: Study) -> _Contestant:
     """The method with step-size control. Raises MethodError."""
     solvers: dict[str, Callable[[], Solver]] = {
         kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == integrators.COMPILED))

@@ -18,11 +18,10 @@ from driftproof.methods.number_field import as_fmpq
 from driftproof.symbolic.algebra.certified import CertifiableReal, EnclosedReal, Uncertified, is_less
 from driftproof.symbolic.algebra.polynomials import Polynomial, polynomial
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, root_ratio
-from driftproof.symbolic.linear.a_stability import is_hurwitz
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, NEVER, Bound, UndecidedLimitError
-from driftproof.symbolic.linear.root_condition import half_plane_form, root_condition
+from driftproof.symbolic.linear.root_condition import all_inside, inside_limit, root_condition
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit
 from driftproof.symbolic.linear.systems import EigenvalueLimit, LinearSystem, ball_of
 
@@ -46,14 +45,14 @@ class MultistepSystemFacts(LinearSystem):
         if p.degree() < self.method.steps * (len(minimal) - 1):
             return False  # hλ = ρₖ/σₖ: the step has no new value
         # On the circle dζ/dz = σ/(ρ' - zσ') is not 0, as ζ is no root of both; so a Jordan block makes n ζⁿ of it.
-        return root_condition(p).holds if eigenvalue.block == 1 else _inside(p)
+        return root_condition(p).holds if eigenvalue.block == 1 else all_inside(p)
 
     def factor_at(self, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
         """The largest |ζ| of solutions ζⁿ of one eigenvalue; 1 itself if one is on the unit circle and none outside."""
         minimal = eigenvalue.place.minimal
         if len(minimal) == 2 or (len(minimal) == 3 and not isinstance(eigenvalue.place, RealRoot)):
             p = self._solutions(minimal, h)
-            if not _inside(p) and root_condition(p, p.degree()).holds:
+            if not all_inside(p) and root_condition(p, p.degree()).holds:
                 return Fraction(1)
 
         def ball() -> arb:
@@ -87,6 +86,7 @@ class MultistepSystemFacts(LinearSystem):
             return UndecidedLimitError(str(reason))
 
     def _decided_bound(self, eigenvalue: Eigenvalue) -> Bound:
+        """The bound, for a Jordan block, too: inside the region of stability every |ζ| < 1, as ρ/σ is open."""
         facts, place, block, real = self._facts, eigenvalue.place, eigenvalue.block, ball_of(eigenvalue).real
         self._require_irreducible()
         if not facts.zero_stable or (place == ZERO_ROOT and block > 1):
@@ -97,12 +97,17 @@ class MultistepSystemFacts(LinearSystem):
             raise UndecidedLimitError("the method is not consistent")
         if not isinstance(place, Imaginary) and real > 0:
             return NEVER  # the ζ that tends to 1 is 1 + hλ + O(h²)
-        if block > 1:
-            raise UndecidedLimitError("a Jordan block of a multistep method; each h is decided")
+        if isinstance(place, Imaginary):
+            found = ALWAYS if facts.a_stable else self._scaled(facts.imaginary_limit, place.size, squared=True)
+            if block > 1 and found != NEVER:
+                raise UndecidedLimitError("a Jordan block of an undamped oscillation; each h is decided")
+            return found
         if facts.a_stable:
             return ALWAYS
-        if isinstance(place, Imaginary):
-            return self._scaled(facts.imaginary_limit, place.size, squared=True)
+        if isinstance(place, RealRoot) and block > 1:
+            limit = inside_limit(polynomial(self.method.rho), polynomial(self.method.sigma))
+            found = self._scaled(limit, place.negated(), squared=False)
+            return found if found in (ALWAYS, NEVER) else found._replace(attained=False)
         if isinstance(place, RealRoot) and facts.real_limit is not None:
             return self._scaled(facts.real_limit, place.negated(), squared=False)
         if isinstance(place, Complex) and facts.sector is not None and not isinstance(facts.sector.tan, Infinity):
@@ -124,12 +129,6 @@ class MultistepSystemFacts(LinearSystem):
             p = rho * rho + as_fmpq(x * x) * sigma * sigma if squared else rho + as_fmpq(x) * sigma
             attained = root_condition(p).holds
         return Bound(root_ratio(limit, size), attained)
-
-
-def _inside(p: Polynomial) -> bool:
-    """True if every root lies inside the unit circle."""
-    form = half_plane_form(p, p.degree())
-    return form.degree() == p.degree() and is_hurwitz(form)
 
 
 def _largest_root(coefficients: Sequence[acb]) -> arb:

@@ -23,9 +23,9 @@ from driftproof.symbolic.algebra.polynomials import (
     reflected,
     squarefree,
 )
-from driftproof.symbolic.algebra.real_roots import positive_roots
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples
 from driftproof.symbolic.linear.a_stability import is_hurwitz
-from driftproof.symbolic.linear.stability_limits import Limit, first_failure
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, first_failure
 
 
 class RootCondition(NamedTuple):
@@ -81,26 +81,49 @@ def _largest_multiplicity(p: Polynomial) -> int:
 def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
 
-    Roots leave the disc only at a t where the even and odd parts of the form in w have a common root, w = 0 among them,
-    where its degree falls, or where two roots on the circle meet: the subresultants with the slope are multiples of the
-    leading coefficient. A t between two intervals in which the condition holds is no limit: if two ζ on the circle met
-    there, some t near by would have a ζ outside.
+    Roots leave the disc only at a t where one comes to the circle, or where two on it meet. A t between two intervals
+    in which the condition holds is no limit: if two ζ on the circle met there, some t near by would have a ζ outside.
     """
     degree = max(a.degree(), b.degree())
     forms = half_plane_form(a, degree), half_plane_form(b, degree)
 
-    def at(t: fmpq) -> Polynomial:
-        return forms[0] + forms[1] * t
+    def with_slope(t: fmpq) -> tuple[Polynomial, Polynomial]:
+        form = forms[0] + forms[1] * t
+        return form, form.derivative()
+
+    merging = critical_polynomial(ParametricPair(with_slope, (degree, degree), (1, 1)))
+    critical = [*_meeting_the_circle(forms, degree), *filter(None, [merging])]
+    return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)
+
+
+def inside_limit(a: Polynomial, b: Polynomial) -> Limit:
+    """The largest t₀ such that every root of a + t b lies inside the unit circle for every t in (0, t₀)."""
+    degree = max(a.degree(), b.degree())
+    reached = positive_roots(_meeting_the_circle((half_plane_form(a, degree), half_plane_form(b, degree)), degree))
+    first = a + b * samples(reached)[0]
+    if first.degree() < degree or not all_inside(first):
+        return ZERO_ROOT
+    return reached[0] if reached else INFINITY
+
+
+def all_inside(p: Polynomial) -> bool:
+    """True if every root lies inside the unit circle."""
+    form = half_plane_form(p, p.degree())
+    return form.degree() == p.degree() and is_hurwitz(form)
+
+
+def _meeting_the_circle(forms: tuple[Polynomial, Polynomial], degree: int) -> list[Polynomial]:
+    """Polynomials with a root t where a root of form₀ + t form₁ comes to the imaginary axis, w = 0 and oo among them.
+
+    There the even and the odd part in w² have a common root, w = 0, or the leading coefficient vanishes. Other common
+    roots are of w and -w, of which one lies on the right.
+    """
 
     def halves(t: fmpq) -> tuple[Polynomial, Polynomial]:
-        return even_part(at(t)), odd_part(at(t))
+        form = forms[0] + forms[1] * t
+        return even_part(form), odd_part(form)
 
-    def with_slope(t: fmpq) -> tuple[Polynomial, Polynomial]:
-        return at(t), at(t).derivative()
-
-    at_one = polynomial([as_fraction(f[0]) for f in forms])
+    at_one, at_minus_one = (polynomial([as_fraction(form[k]) for form in forms]) for k in (0, degree))
     even, odd = (max(part(form).degree() for form in forms) for part in (even_part, odd_part))
-    pairs = ((halves, (even, odd)), (with_slope, (degree, degree)))
-    merging = [critical_polynomial(ParametricPair(pair, degrees, (1, 1))) for pair, degrees in pairs]
-    critical = [p for p in (at_one, *merging) if p]
-    return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)
+    common = critical_polynomial(ParametricPair(halves, (even, odd), (1, 1)))
+    return [p for p in (at_one, at_minus_one, common) if p]

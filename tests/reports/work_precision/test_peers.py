@@ -10,7 +10,7 @@ import pytest
 import sympy
 from scipy.integrate import solve_ivp
 
-from driftproof.methods.vector_fields import FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.work_precision import peers
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
@@ -138,7 +138,7 @@ FAKES = {
     "torchdiffeq": SimpleNamespace(odeint=odeint),
     "heyoka": SimpleNamespace(
         expression=sympy.Symbol, time=TIME, taylor_adaptive=Taylor,
-        taylor_outcome=SimpleNamespace(time_limit="time_limit"), **of_sympy,
+        taylor_outcome=SimpleNamespace(time_limit="time_limit"), **{name: of_sympy[name] for name in SMOOTH_FUNCTIONS},
     ),
     "jax": SimpleNamespace(
         numpy=np, jit=lambda f: f, effects_barrier=lambda: None, debug=SimpleNamespace(callback=lambda f: f()),

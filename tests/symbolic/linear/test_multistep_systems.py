@@ -19,6 +19,9 @@ from tests.witnesses.multistep import largest
 MULTISTEP = {method.key: method for method in ENTRIES if method.derivative == 1}
 # Roots of the recurrence in floats are off by far less for simple roots of these sizes (chosen).
 NEAR = 1e-6
+# One Jordan block each: of -1, of ±i, and of -1 ± i.
+BLOCK, PAIRS = "-1 1; 0 -1", "0 1 1 0; -1 0 0 1; 0 0 0 1; 0 0 -1 0"
+DAMPED_PAIRS = "-1 1 1 0; -1 -1 0 1; 0 0 -1 1; 0 0 -1 -1"
 
 
 def facts(key, text):
@@ -54,6 +57,10 @@ def test_bounded_is_what_the_roots_in_floats_say_and_factors_are_their_sizes(key
         *(("bdf2", "0 1; -9 -3", None, None), ("bdf3", "-1 10; -10 -1", None, None), ("bdf4", "-7", None, None)),
         *(("adams_bashforth3", "0 0; 0 0", None, None), ("adams_bashforth2", "0 1; 0 0", Q(0), None)),
         *(("bdf2", "1", Q(0), None), ("milne_simpson", "-1", Q(0), None)),
+        *(("adams_bashforth2", BLOCK, Q(1), False), ("adams_bashforth3", BLOCK, Q(6, 11), False)),
+        *(("bdf2", BLOCK, None, None), ("bdf4", BLOCK, None, None), ("milne_simpson", BLOCK, Q(0), None)),
+        *(("bdf3", DAMPED_PAIRS, None, None), ("bdf2", DAMPED_PAIRS, None, None)),
+        ("adams_bashforth2", PAIRS, Q(0), None),
     ],
 )
 def test_limits_are_those_of_the_literature(key, text, limit, attained):
@@ -73,7 +80,7 @@ def test_an_irrational_limit_is_decided_where_its_square_is_rational():
     ("key", "text", "what"),
     [
         ("bdf3", "-1 20; -20 -1", "outside every sector"),
-        ("bdf2", "-1 1; 0 -1", "a Jordan block"),
+        ("bdf2", PAIRS, "a Jordan block of an undamped"),
     ],
 )
 def test_a_limit_that_is_not_decided_says_why_but_a_step_is_decided(key, text, what):
