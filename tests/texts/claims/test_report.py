@@ -161,7 +161,7 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
     assert [tuple(one.values()) for one in report.as_dict()["slips"]] == places
     shown = report.written("text")
     assert f"{text}:2:44: 74.3 is perhaps a slip: angle bdf4 is 73.4\n" in shown
-    assert ", all hold; 2 perhaps wrong\nto keep a number that is right, cover it by a claim with" in shown
+    assert ", all hold; 2 perhaps wrong\nwhat is right is kept by a claim" in shown
     assert report.written("github").count("::warning file=") == 2
     text.write_text(right, encoding="utf-8")
     assert (check(text).slips, check(text).passed) == ((), True)
