@@ -132,7 +132,7 @@ class TextReport(Printable):
         look = f"; {len(self.slips)} perhaps wrong" if self.slips else ""
         yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}{look}"
         if self.slips:
-            yield 'what is right is kept by a claim of the number with given = "why", or by deleting its line in the claims'
+            yield 'what is right is kept by a claim of it with given = "why", or by deleting its line in the claims'
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
         numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
