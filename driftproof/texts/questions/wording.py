@@ -58,17 +58,12 @@ FACT_WORDS = {
 # Ambiguous name -> what it may mean, as error messages show it.
 _LINES = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
 LIMITS = f"{_LINES}; for a problem of your own there is driftproof stability mine.toml"
-_DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or dissipation METHOD (of its amplitude)"
 _KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
 _ROUNDOFF = "the command driftproof roundoff METHOD --h 1/4 (bounds on the rounding of a step)"
-_SIGNED = "error_constant METHOD or its negative: computed minus exact for one-step methods, else the reverse"
-_B_STABLE = "algebraically_stable METHOD, which is equivalent if no stage is superfluous"
-_SPECTRUM = "stability_function METHOD z=-1/2 (y' = λy, z = hλ) or one_step_matrix METHOD h=1/2 : M_qq (oscillator)"
-_TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximum")
+_MOST = ("largest", "max", "maximal", "maximum")
 _SIZES = ("h", "step", "step_size", "time_step")
-_TURNS = "dispersion METHOD (leading phase error of a step), or run METHOD h=1/10 t=1 : phase_error"
 # Of a splitting, whose orbit is no circle: the angle of a step depends on where it begins.
 PHASE_PER_STEP = (
     "phase_error_per_step may mean dispersion METHOD (leading phase error of a step, in radians), or "
@@ -83,13 +78,8 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     **dict.fromkeys(("roundoff", "rounding_error", "roundoff_error"), _ROUNDOFF),
-    **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
-    **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
     **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _KEPT),
-    **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
-    **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
-    **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
 }
 
 # Synonym -> setting.

@@ -144,12 +144,10 @@ REFUSED = [
     ("order rk4 rk4", 11, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
     ("phase error per step of velocity Verlet h=0.1", 1, "may mean dispersion velocity_verlet (leading phase error of"),
     ("phase error of Verlet per step with h=0.1", 1, "(of the step from (1, 0), whose orbit is no circle): say which"),
-    ("period of velocity Verlet", 1, "period may mean dispersion velocity Verlet (leading phase error of a step)"),
     ("energy of RK4 after 1000 cycles", 21, "a period is not a whole number of steps"),
     ("run rk4 h=1 t=1 from (1,0 : q", 27, "the bracket of a start is not closed"),
     ("invariant symplectic_euler z=1", 28, "invariant does not take z here"),
     ("run rk4 h=1 t=1 z=2 : q", 17, "run does not take z here"),
-    ("local truncation error constant of Heun", 1, "may mean error_constant Heun or its negative: computed minus"),
     ("order of gauss4 for stiff problems", 21, "for the order on stiff problems, ask for stage_order"),
     ("b[2] of RK4", 2, "coefficients are b2 and a21, counted from 1"),
     ("R(2i) of RK4", 3, "z must be real; |R(iy)|^2 is energy_multiplier METHOD h=y"),
@@ -219,7 +217,7 @@ def test_what_an_expression_may_mean_is_a_question_that_is_answered():
     settings = r"(?: y'=-y, y\(0\)=1,)?(?: [hzt]=[-0-9/]+,?(?= ))*(?: : \w+)?"
     pasted = re.compile(rf"(?<!driftproof )\b[a-z]\w+ METHOD{settings}")
     meant = {name for meaning in AMBIGUOUS_FACTS.values() for name in pasted.findall(meaning)}
-    for example in some(sorted(meant), 14):
+    for example in some(sorted(meant), 8):
         method = "symplectic Euler" if example.startswith("invariant") else "RK4"
         found = value(example.replace("METHOD", method))
         assert found.is_number or found.exact_text
