@@ -89,7 +89,7 @@ def check_command(options: Namespace) -> str:
 
     The file's ending decides whether it is read as plain text, Markdown, reStructuredText, HTML, TeX or a notebook;
     markup, comments, front matter and attributes are left out. Numbers are integers, decimals, fractions, percentages,
-    powers and numbers with an exponent; words for numbers are counted separately, and checked if a claim
+    powers and numbers with an exponent; words for numbers and growth are counted separately, and checked if a claim
     says spelled. Labels, which need no claim, are whole numbers after a letter (RK4), indices (q₁), numbers after
     Section, Figure and the like, versions, dates, numbers of items, [1], addresses, arguments as in y(1), and formats
     such as :.6f. MyST and macros of TeX are read as they are typeset.
@@ -127,7 +127,7 @@ def check_command(options: Namespace) -> str:
       given = "our choice of h"                     # why a number of the phrase is not computed; or just true
       [[claim]]
       id = "calls"
-      phrase = "makes {value} calls"                # sixteen, a third
+      phrase = "makes {value} calls"                # sixteen, a third; spelled = "trend": grows, shrinks, by the sign
       value = "stages rk4"
       spelled = "words"
       [[label]]

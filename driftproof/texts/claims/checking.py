@@ -244,7 +244,7 @@ class Accounted:
 
 @dataclass(frozen=True)
 class Coverage:
-    """How the numbers of a text are accounted for, in order, and the words for numbers left over."""
+    """How the numbers of a text are accounted for, in order, and the words for numbers or growth left over."""
 
     numbers: tuple[Accounted, ...]
     unread: tuple[TextWord, ...] = ()
@@ -274,7 +274,7 @@ def coverage(
 
     A number belongs to the value that contains it; otherwise it is a label if a rule of `numbers_in` says so; otherwise
     it belongs to the first span that contains it: the phrase of a claim (as given), the phrase of a label, or the
-    output of a run; a remaining number in the code of a listing is a label. A word for a number in the
+    output of a run; a remaining number in the code of a listing is a label. A word for a number or for growth in the
     phrase of a claim counts as checked only if it is a value, or if the claim says why its numbers are given.
     Raises ValueError for a label that occurs nowhere.
     """

@@ -14,7 +14,7 @@ from typing import Any, TypeGuard
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
-from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, WORDS, NumberForm, Phrase
+from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
@@ -255,5 +255,5 @@ def _form(entry: TomlTable) -> NumberForm:
         toml.as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,
         toml.as_flag(entry.get("exact", False), "exact"),
         toml.as_choice(entry["rounding"], "rounding", ROUNDING_POLICIES) if "rounding" in entry else None,
-        toml.as_choice(entry["spelled"], "spelled", (WORDS,)) if "spelled" in entry else None,
+        toml.as_choice(entry["spelled"], "spelled", SPELLED) if "spelled" in entry else None,
     )

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
 MOST_DECIMALS = 1000
-# How a value is spelled in words, such as sixteen, a third or twice.
-WORDS = "words"
+# A value in words, such as sixteen, a third or twice; or the sign of a change: grows, shrinks, stays.
+SPELLED = WORDS, TREND = ("words", "trend")
 # No text prints a longer exact form.
 _LONGEST_EXACT = 400
 # Name of a value -> its accepted spellings, the plainest first.
@@ -38,7 +38,7 @@ ANY_NUMBER = (
     r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
-_ANY_WORD = rf"(?i:{words.WORDED_NUMBER})|{ANY_NUMBER}"
+_ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
 # A match must not be a part of a longer number, a product, a power or a percentage.
 _NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
 _NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
@@ -52,7 +52,7 @@ class NumberForm:
     digits: int | None = None
     exact: bool = False
     rounding: str | None = None
-    spelled: str | None = None  # WORDS
+    spelled: str | None = None  # one of SPELLED
 
     def spellings(self, value: Answer) -> list[str]:
         """All spellings of the value in this form, in canonical spelling, the plainest first.
@@ -64,7 +64,7 @@ class NumberForm:
 
         style, x = Style(rounding=self.rounding), value.exact
         if self.spelled is not None:
-            return words.worded_number(x)
+            return _in_words(value, self.spelled)
         if not value.is_number or self.exact:
             return _exact_spellings(value)
         if self.places is not None:
@@ -74,6 +74,18 @@ class NumberForm:
         if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
             return [value.places(next(n for n in count() if 10**n % x.denominator == 0))]
         raise ValueError("the decimal of the value does not terminate; add places, digits or exact")
+
+
+def _in_words(value: Answer, spelled: str) -> list[str]:
+    """The spellings of a rational number in words, or the words for a change with the sign of the value."""
+    from driftproof.symbolic.algebra.certified import certified_sign
+
+    x = value.exact
+    if spelled == TREND and x is not None:
+        return words.worded_trend(certified_sign(x))
+    if isinstance(x, Fraction):
+        return words.worded_number(x)
+    raise ValueError("the value is not rational, so it cannot be written in words; add places, digits or exact")
 
 
 def _exact_spellings(value: Answer) -> list[str]:

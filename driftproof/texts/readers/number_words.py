@@ -1,4 +1,4 @@
-"""Numbers in words, such as "sixteen", "a third" or "twice": writing and finding them."""
+"""Numbers and trends in words, such as "sixteen", "a third", "twice" or "grows": writing and finding them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,24 @@ _NAMES = (
 _SMALL, _TENS = map(str.split, _NAMES)
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
+# Sign of a change -> the words for it, the plainest first.
+_TRENDS = {
+    1: "grows grow grew growing increases increase increased increasing rises rise rose rising gains gain gained",
+    -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose "
+    "lost losing decays decayed drops dropped",
+    0: "stays stay stayed staying keeps keep kept keeping",
+}
 _UNIT = "|".join(sorted(_SMALL, key=len, reverse=True))
 _BELOW_HUNDRED = rf"(?:(?:{'|'.join(_TENS)})(?:[- ](?:{'|'.join(_SMALL[1:10])}))?|{_UNIT})"
 _LARGE = rf"(?:hundred|{'|'.join(_SCALES.values())})"
 _WHOLE = rf"(?:{_BELOW_HUNDRED}|an?(?=[- ]{_LARGE}))(?:(?:[- ]{_LARGE})+(?:(?:[- ]and)?[- ]{_BELOW_HUNDRED})?)*"
 _PART = rf"(?:an?|{_UNIT})[- ](?:hal(?:f|ves)|(?:{'|'.join([*_PARTS.values()][1:])})s?)"
 WORDED_NUMBER = rf"(?:{_PART}|{_WHOLE}|half|twice|thrice)"
+WORDED_TREND = rf"(?:{'|'.join(' '.join(_TRENDS.values()).split())})"
 _NUMBER = re.compile(rf"\b{WORDED_NUMBER}\b", re.IGNORECASE)
 _WHOLE_NUMBER = re.compile(rf"\b{_BELOW_HUNDRED}\b(?![- ](?:{_LARGE}|hal(?:f|ves)|thirds?|quarters?))", re.IGNORECASE)
+_TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
+_CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\b", re.IGNORECASE)
 # "one" by itself is more often a pronoun; it counts after a word for counting.
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
 
@@ -42,18 +52,16 @@ def counts_of_steps(text: str) -> list[int]:
 
 
 class TextWord(NamedTuple):
-    """A number in words: its span in the text, and the words."""
+    """A number or a trend in words: its span in the text, and the words."""
 
     start: int
     end: int
     text: str
 
 
-def worded_number(x: object) -> list[str]:
+def worded_number(x: Fraction) -> list[str]:
     """The accepted ways to write the number in words, the plainest first. Raises ValueError if there are none."""
     found: list[str] = []
-    if not isinstance(x, Fraction):
-        raise ValueError("the value is not rational, so it cannot be written in words; add places, digits or exact")
     if x.denominator == 1 and 0 <= x < 10**12:
         plain = _cardinal(int(x))
         found = [plain, plain.replace("-", " "), *{2: ["twice"], 3: ["thrice"]}.get(int(x), [])]
@@ -69,15 +77,21 @@ def worded_number(x: object) -> list[str]:
     return list(dict.fromkeys(form for word in found for form in (word, word[0].upper() + word[1:])))
 
 
+def worded_trend(sign: int) -> list[str]:
+    """The words for a change of this sign: 1 grows, -1 shrinks, 0 stays."""
+    return [form for word in _TRENDS[sign].split() for form in (word, word.capitalize())]
+
+
 def is_worded(text: str) -> bool:
-    """True if the whole text is one number in words."""
-    return _NUMBER.fullmatch(text) is not None
+    """True if the whole text is one number or one trend in words."""
+    return bool(_NUMBER.fullmatch(text) or _TREND.fullmatch(text))
 
 
 def words_in(text: str) -> list[TextWord]:
-    """The numbers in words in the text, in order."""
-    found = (m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()]))
-    return [TextWord(*match.span(), match[0]) for match in found]
+    """The numbers in words and the words for growth or decay in the text, in order."""
+    numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()])]
+    found = [*numbers, *_CHANGE.finditer(text)]
+    return sorted(TextWord(*match.span(), match[0]) for match in found)
 
 
 def whole_numbers_in(text: str) -> list[TextWord]:

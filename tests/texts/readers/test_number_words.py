@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.readers.number_words import counts_of_steps, is_worded, worded_number, words_in
+from driftproof.texts.readers.number_words import counts_of_steps, is_worded, worded_number, worded_trend, words_in
 from tests.looping import some
 
 SPELLED = {
@@ -38,6 +38,7 @@ def test_what_nobody_writes_in_words_is_refused(number):
 READ = {
     "Sixteen of two and three": ["Sixteen", "two", "three"],
     "Uses one; one of them; no one": ["one"],
+    "it grows and shrinks, drops, decayed, and keeps": ["grows", "shrinks", "drops", "decayed"],
     "someone weighs anthony's tent": [],
     "a thousand and\none": ["a thousand"],
 }
@@ -46,6 +47,11 @@ READ = {
 @pytest.mark.parametrize("text", READ)
 def test_words_of_a_text(text):
     assert [word.text for word in words_in(text)] == READ[text]
+
+
+def test_trend_is_the_sign_of_a_change():
+    assert [worded_trend(sign)[0] for sign in (1, -1, 0)] == ["grows", "shrinks", "stays"]
+    assert not is_worded("steps")
 
 
 def test_steps_are_counted_in_digits_and_words():
