@@ -138,7 +138,8 @@ class TextReport(Printable):
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
         yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {counted(labels, 'label')} not counted"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
-            words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
+            words = [f"{word}{f' ×{n}' * (n > 1)}" for word, n in unread.most_common(_MOST_WORDS)]
+            words += [f"{len(unread) - _MOST_WORDS} more"] * (len(unread) > _MOST_WORDS)
             yield f"not checked: {counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
         if others := self.document.other_files:
             yield f"not read: {', '.join(others)}, included by the text; check each separately"
