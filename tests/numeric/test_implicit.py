@@ -21,10 +21,6 @@ from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of
 BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
 
 
-def rigid_body(t, y):
-    return [y[1] * y[2], -2 * y[0] * y[2], y[0] * y[1]]
-
-
 def robertson(t, y):
     slow, fast, back = y[0] / 25, 3e7 * y[1] * y[1], 1e4 * y[1] * y[2]
     return [back - slow, slow - back - fast, fast]
@@ -168,22 +164,6 @@ def test_singular_newton_matrices_are_an_error():
     """y' = y/h: 1 - h J is zero, and y₁ = y + y₁ has no solution."""
     with pytest.raises(StageEquationsUnsolved):
         implicit_stepper(BACKWARD_EULER, lambda t, y: 2 * y, lambda t, y: [[2.0]])(0.0, [1.0], 0.5)
-
-
-@pytest.mark.slow(keep=2)
-@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "gauss6", "qin_zhang2"])
-def test_methods_that_keep_quadratic_invariants_keep_those_of_a_rigid_body(key):
-    """2y₀² + y₁² and y₀² - y₂², of size at most 3: what a step leaves is below 1000u; 100 steps of them."""
-    run = implicit_run(implicit_stepper(METHODS[key], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
-    x, y, z = run.y
-    drift = max(abs(2 * x * x + y * y - 1.36), abs(x * x - z * z + 0.64))
-    assert drift < 100 * 1000 * float(U)
-    assert run.over_floor <= 1
-
-
-def test_a_method_that_keeps_no_quadratic_invariant_loses_them():
-    run = implicit_run(implicit_stepper(METHODS["radau_iia2"], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
-    assert abs(2 * run.y[0] ** 2 + run.y[1] ** 2 - 1.36) > 1e-4
 
 
 @pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "sdirk2", "gauss4"])
