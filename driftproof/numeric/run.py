@@ -13,6 +13,7 @@ import numpy as np
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step, oscillator
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper
@@ -109,21 +110,22 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _float_step(key: str) -> Step:
-    """The method's step; an implicit one solves its stages by Newton's method, whose calls of the force count."""
+    """The method's step; an implicit one solves its stages by Newton's method, whose evaluations of the force count."""
     if (method := method_of(key)).explicit:
         return float_stepper(method)
-    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
+    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
+
+    run = implicit_runner(method, VectorField(("y1", "-y0")))
 
     def step(force: Force, q: FloatOrArray, v: FloatOrArray, h: FloatOrArray) -> FloatState:
-        def rate(_: float, y: Any) -> Any:
-            return np.array([y[1], force(y[0])])
-
-        # The oscillator's own derivatives: only the number of iterations depends on them.
-        solve = implicit_stepper(method, rate, lambda _, y: [[0.0, 1.0], [-1.0, 0.0]])
+        before = run.calls
         try:
-            return tuple(solve(0.0, (q, v), h).y.tolist())
+            q, v = run((q, v), h, 0, 1)
         except StageEquationsUnsolved as error:
             raise RunEnded(str(error)) from None
+        if isinstance(force, CountedForce):
+            force.calls += run.calls - before
+        return q, v
 
     return step
 

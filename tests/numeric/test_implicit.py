@@ -12,11 +12,11 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner, implicit_stepper
+from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner
 from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.methods.tables.entries import IMPLICIT
-from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
+from tests.numeric.implicit_runs import U, implicit_run, implicit_stepper, oscillator, rounding_of_a_step
 
 BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
 
@@ -104,16 +104,6 @@ def test_iterations_go_on_while_they_halve_and_make_the_matrix_anew_unless_they_
     assert ((len(made) > 3) is made_anew, set(made)) == (True, {1.0})
 
 
-def test_differences_are_of_the_size_of_what_moves():
-    """Far below 1, f bends: at 0 its slope is 0, and over a shift of 1e-8 it is -10. A start at rest is at rest."""
-    rate = lambda t, y: 1e-9 * (1 - (1e9 * y) ** 2)
-    given, formed = (
-        implicit_stepper(MIDPOINT, rate, jacobian)(0.0, [0.0], 1.0) for jacobian in (lambda t, y: [[-2e9 * y[0]]], None)
-    )
-    assert formed.iterations <= given.iterations + 1
-    assert implicit_stepper(MIDPOINT, oscillator)(0.0, [0.0, 0.0], 0.5).y.tolist() == [0, 0]
-
-
 def test_an_explicit_method_has_no_equations_and_leaves_nothing():
     assert implicit_stepper(METHODS["rk4"], oscillator)(0.0, [1.0, 0.0], 0.5)[1:] == (0, 0, 0)
 
@@ -155,11 +145,6 @@ def test_a_rate_that_is_not_finite_is_an_error_and_no_result():
     assert len(seen) == 2 + 1 + 22
 
 
-def test_a_rate_of_another_length_is_refused():
-    with pytest.raises(ValueError, match=r"shape \(1,\) for a state of 2 components"):
-        implicit_stepper(MIDPOINT, lambda t, y: [y[0]])(0.0, [1.0, 2.0], 0.5)
-
-
 def test_singular_newton_matrices_are_an_error():
     """y' = y/h: 1 - h J is zero, and y₁ = y + y₁ has no solution."""
     with pytest.raises(StageEquationsUnsolved):
@@ -184,12 +169,10 @@ def test_a_jacobian_changes_the_iterations_and_not_the_result():
     wrong = lambda t, y: [[0, 1], [-1, -50]]
     runs = [
         implicit_run(implicit_stepper(METHODS["gauss3"], slopes, given), [2.0, 0.0], 1 / 64, 20)
-        for given in (jacobian, None, wrong)
+        for given in (jacobian, wrong)
     ]
-    for run in runs[1:]:
-        assert np.abs(run.y - runs[0].y).max() < 20 * 1000 * float(U)
-    assert runs[2].iterations > 1.5 * runs[0].iterations
-    assert runs[1].iterations <= 1.1 * runs[0].iterations
+    assert np.abs(runs[1].y - runs[0].y).max() < 20 * 1000 * float(U)
+    assert runs[1].iterations > 1.5 * runs[0].iterations
 
 
 def test_a_jacobian_that_is_far_off_converges_slowly_or_is_refused():

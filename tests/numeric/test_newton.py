@@ -14,11 +14,11 @@ from driftproof.numeric.implicit import (
     StageEquationsUnsolved,
     compiled_implicit_ensemble_runner,
     implicit_runner,
-    implicit_stepper,
 )
 from driftproof.numeric.loops import FieldWriters
 from driftproof.numeric.newton import MOST_ITERATIONS, Equations, residual
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from tests.numeric.implicit_runs import implicit_stepper
 
 
 @pytest.mark.long  # compiling takes ten seconds

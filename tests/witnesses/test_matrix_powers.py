@@ -9,9 +9,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
-from driftproof.numeric.implicit import implicit_stepper
 from driftproof.symbolic.runs import exact_matrix_at
-from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
+from tests.numeric.implicit_runs import U, implicit_run, implicit_stepper, oscillator, rounding_of_a_step
 from tests.witnesses.matrix_powers import endpoint, float_turn
 
 COLLOCATION = [method for method in METHODS.values() if isinstance(method, Collocation)]
