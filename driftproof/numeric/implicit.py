@@ -37,7 +37,7 @@ import numpy as np
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.engine import EnsembleRun, FloatArray, in_threads, require_ensemble
+from driftproof.numeric.engine import EnsembleRun, FloatArray, require_ensemble
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.loops import loop, maker_of_rows
 from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
@@ -96,7 +96,7 @@ def implicit_runner(method: Method, field: VectorField, *, compiled: bool = Fals
     return ImplicitRun(method.key, run, table, maker_of_rows(compiled=compiled))
 
 
-def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
+def compiled_implicit_ensemble_runner(method: Method, field: VectorField) -> EnsembleRun:
     """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_ensemble_runner`.
 
     Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
@@ -106,13 +106,9 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
 
     def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(field.rates))
-
-        def run_part(start: int, stop: int) -> None:
-            report = np.array(NO_STEP)
-            run(y, h, first, last, arrays, report, start, stop)
-            require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
-
-        in_threads(run_part, y.shape[1], threads)
+        report = np.array(NO_STEP)
+        run(y, h, first, last, arrays, report)
+        require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
 
     return run_systems
 

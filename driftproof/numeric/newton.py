@@ -309,12 +309,10 @@ def run_steps(
             return
 
 
-def run_ensemble(
-    writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int
-) -> None:
-    """Take steps first to last - 1 of columns begin to end - 1; stop at the first system that fails."""
+def run_ensemble(writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any) -> None:
+    """Take steps first to last - 1 of every column; stop at the first system that fails."""
     state = writers.zeros(len(y))
-    for column in range(begin, end):
+    for column in range(len(y[0])):
         for k in range(len(y)):
             state[k] = y[k][column]
         run_steps(writers, 0.0, state, h, first, last, table, report)

@@ -14,7 +14,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import engine
-from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_runner, compiled_runner, in_threads, runner
+from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_runner, compiled_runner, runner
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
@@ -97,12 +97,12 @@ KEPLER = problem_named("kepler").field
 
 
 def test_an_ensemble_of_systems_has_the_bits_of_each_system():
-    """Two blocks and a part of one, in two threads; on arrays of NumPy, too. In steps from the third: rates read t."""
+    """Two blocks and a part of one; on arrays of NumPy, too. In steps from the third: rates read t."""
     pytest.importorskip("numba")
     forced = VectorField(("y1", "sin(t) - mass * y0"), (("mass", Q(1, 3)),))
     start = np.array([np.linspace(0.4 + k, 1.1, 2 * BLOCK + 17) for k in range(2)])
     alone, found = runner(METHODS["rk4"], forced), start.copy()
-    compiled_ensemble_runner(METHODS["rk4"], forced, threads=2)(found, 0.01, 3, 23)
+    compiled_ensemble_runner(METHODS["rk4"], forced)(found, 0.01, 3, 23)
     for member in (0, BLOCK - 1, BLOCK, 2 * BLOCK + 16):
         assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
     arrays = array_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
@@ -167,19 +167,6 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
         assert abs(Q(v_found) - vq * Q(q) - vv * Q(v)) <= dv
     plain = np.array(array_runner(method, OSCILLATOR, np)(tuple(start), h, 0, 1))
     assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
-
-
-@pytest.mark.parametrize(("members", "threads", "size"), [(0, 2, 0), (8, 4, 8), (73, 4, 24)])
-def test_threads_take_parts_of_whole_blocks(members, threads, size):
-    parts = []
-    in_threads(lambda *part: parts.append(part), members, threads, 8)
-    assert sorted(parts) == [(i, min(i + size, members)) for i in range(0, members, size or 1)] or parts == [(0, 0)]
-    parts.clear()
-    in_threads(lambda *part: parts.append(part), 3, 3)
-    assert sorted(parts) == [(0, 1), (1, 2), (2, 3)]
-    parts.clear()
-    in_threads(lambda *part: parts.append(part), 4, 2)
-    assert sorted(parts) == [(0, 2), (2, 4)]
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():
