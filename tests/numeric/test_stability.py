@@ -51,7 +51,7 @@ def test_overflow_is_found_at_the_very_step(h: float) -> None:
         y, count = euler(y, h), count + 1
     seen = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, 10**5)
     assert (seen.failed_after, seen.remark) == (count, "not finite")
-    assert (seen.h, seen.steps, seen.largest) == (h, 10**5, inf)
+    assert seen.largest == inf
     short = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, count - 1)
     assert short.failed_after is None
 
@@ -73,7 +73,7 @@ def test_a_run_that_raises_says_after_which_step() -> None:
 
     seen = observe(fragile, (1.0,), 0.1, 10**4)
     assert (seen.failed_after, seen.remark) == (1235, "float division by zero")
-    assert (seen.h, seen.steps, seen.largest, seen.state) == (0.1, 10**4, 1.0, (1.0,))
+    assert (seen.largest, seen.state) == (1.0, (1.0,))
     assert observe(fragile, (1.0,), 0.1, 1234).failed_after is None
 
 
@@ -95,7 +95,6 @@ def test_looks_do_not_change_the_state_and_are_at_most_4096_steps_apart() -> Non
 
     seen = observe(noted, (1.0, 0.0), 0.1, 12345)
     assert seen.state == runs((1.0, 0.0), 0.1, 0, 12345)
-    assert (seen.h, seen.steps) == (0.1, 12345)
     assert looks == [*(2**i for i in range(13)), 4096, 58]
 
 
