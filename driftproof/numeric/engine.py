@@ -57,14 +57,10 @@ def require_ensemble(y: FloatArray, rows: int) -> None:
         raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
 
 
-def array_runner(method: Method, field: VectorField, library: Any) -> Run:
-    """Return run(y, h, first, last) on a tuple of arrays of any library with the functions of the array API standard.
-
-    It executes the text of `runner`, one operation at a time on whole arrays. In NumPy, torch and JAX the four
-    operations have the same bits; if `jax.jit` fuses products into sums, results differ within the derived bound.
-    """
+def array_runner(method: Method, field: VectorField) -> Run:
+    """Return run(y, h, first, last) on a tuple of NumPy's arrays: the text of `runner`, one operation at a time."""
     source = field_source(method, field)
-    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(library))
+    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(np))
 
 
 def functions_of(library: Any) -> dict[str, Any]:

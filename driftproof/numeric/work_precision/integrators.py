@@ -109,7 +109,7 @@ def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str
         compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
         run = compiled(method, problem.field)
     elif method.explicit:
-        run = _on_arrays(array_runner(method, problem.field, np))
+        run = _on_arrays(array_runner(method, problem.field))
     else:
         return "implicit methods are only timed compiled"
 
