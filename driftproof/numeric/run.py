@@ -62,23 +62,20 @@ def integrate(
     record: Callable[[FloatOrArray, FloatOrArray], None] | None = None,
     counter: Counter = range,
 ) -> FloatState:
-    """The state after `steps` steps of size h, each in the precision of its arguments.
+    """The state after `steps` steps of size h.
 
     `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState at
-    the first state that is not finite, the start included; in an ensemble, at that of any member.
+    the first state that is not finite, the start included.
     """
     q, v = start
-    floats = isinstance(q, float) and isinstance(v, float)
-    finite: Callable[[Any], Any] = isfinite if floats else lambda x: np.isfinite(x).all()
-    if not (finite(q) and finite(v)):
+    if not (isfinite(q) and isfinite(v)):
         raise NonFiniteState(0, start)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for i in counter(steps):
-            q, v = step(force, q, v, h)
-            if not (finite(q) and finite(v)):
-                raise NonFiniteState(i + 1, (q, v))
-            if record is not None:
-                record(q, v)
+    for i in counter(steps):
+        q, v = step(force, q, v, h)
+        if not (isfinite(q) and isfinite(v)):
+            raise NonFiniteState(i + 1, (q, v))
+        if record is not None:
+            record(q, v)
     return q, v
 
 
