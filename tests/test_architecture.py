@@ -1,9 +1,8 @@
-"""The house keeps its rules: who imports whom, how large a room may be, what stands twice; each guard is tried out."""
+"""The house keeps its plan: who imports whom, how large a room may be, what stands twice; each guard is tried out."""
 
 from __future__ import annotations
 
 import ast
-import re
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -15,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.looping import idle_tests, parsed
+from tests.house_rules import BROKEN, PACKAGE, RULES, Guard, cited, files, house, text_of
+from tests.looping import parsed
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = "driftproof"
 
 # Room -> the rooms that it may import, all of them below it.
 ROOMS: dict[str, tuple[str, ...]] = {
@@ -31,6 +30,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "texts": ("enclosure", "symbolic", "numeric", "methods", "support"),
     "reports": ("texts", "blackbox", "enclosure", "symbolic", "numeric", "methods", "support"),
 }
+
 # The front door, files of the package itself among it, may import every room.
 FRONT = ("commands", "cli", "strategies", "__main__", "__init__")
 
@@ -65,20 +65,16 @@ NOT_ELSEWHERE = "sympy"
 # (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
-    "support": 1279,
+    "support": 1263,
     "methods": 5554,
     "symbolic": 10981,
-    "numeric": 4456,
+    "numeric": 4330,
     "blackbox": 22002,
-    "enclosure": 5451,
+    "enclosure": 5438,
     "texts": 10460,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6065
+BUDGET_OF_REPORTS_AND_FRONT = 6063
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-# From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
-# line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
-# implicit steps as engineers write them, steps and solvers as they stand in public code, and right-hand sides of which
-# two audits showed wrong enclosures.
 TESTS_PER_LINE_OF_SOURCE = Fraction(959, 1000)
 
 # A file of fewer lines needs a reason.
@@ -111,23 +107,6 @@ UNMIRRORED: dict[str, str] = {
 
 # Names that every module of a folder has: its protocol.
 PROTOCOL = {"methods.tables": {"ENTRIES"}, "commands": {"add", "answer"}}
-
-Guard = Callable[[Path], list[str]]
-
-
-@cache
-def text_of(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
-
-
-@cache
-def files(root: Path, folder: str) -> tuple[Path, ...]:
-    """Every Python file below the folder, links not followed; each is read once, whatever asks."""
-    return tuple(sorted(path for path in (root / folder).rglob("*.py") if not path.is_symlink()))
-
-
-def house(root: Path) -> tuple[Path, ...]:
-    return files(root, PACKAGE)
 
 
 def place(root: Path, path: Path) -> str:
@@ -305,151 +284,9 @@ def _public_names(tree: ast.Module) -> set[str]:
     return {name for name in names if not name.startswith("_")}
 
 
-def inexact_literals(root: Path) -> list[str]:
-    """Floats written in the exact rooms; in proofs, which also speak of floats, those that are not what they say."""
-    exact = [f for room in ("methods", "symbolic") for f in _floats(files(root, f"{PACKAGE}/{room}"))]
-    misread = [f for f in _floats(files(root, "proofs")) if "j" in f[1] or Fraction(f[1]) != Fraction(float(f[1]))]
-    return [f"{where} holds {text}" for where, text in exact + misread]
-
-
-def _floats(paths: tuple[Path, ...]) -> Iterator[tuple[str, str]]:
-    for path in paths:
-        for node in ast.walk(parsed(path)):
-            if isinstance(node, ast.Constant) and isinstance(node.value, float | complex):
-                yield f"{path.name}:{node.lineno}", ast.get_source_segment(text_of(path), node) or ""
-
-
-GUESSING = {"sympify", "nsimplify", "N", "parse_expr"}
-
-
-def guessing_calls(root: Path) -> list[str]:
-    return [
-        f"{path.name}:{node.lineno} calls {_last_name(node.func)}"
-        for path in (*house(root), *files(root, "proofs"))
-        for node in ast.walk(parsed(path))
-        if isinstance(node, ast.Call) and (_last_name(node.func) in GUESSING or _is_name(node.func, "eval"))
-    ]
-
-
-def _is_name(node: ast.expr, name: str) -> bool:
-    """True for the builtin; polynomials have a method of the same name, which evaluates them."""
-    return isinstance(node, ast.Name) and node.id == name
-
-
-TOLERANCE = {"atol", "rtol", "approx", "isclose", "allclose", "assert_allclose", "abs_tol", "rel_tol"}
-
-
-def tolerances(root: Path) -> list[str]:
-    return [
-        f"{path.name}:{getattr(node, 'lineno', '?')} names {name}"
-        for path in files(root, "proofs")
-        for node in ast.walk(parsed(path))
-        for name in _names(node)
-        if name in TOLERANCE
-    ]
-
-
-def _last_name(node: ast.expr) -> str | None:
-    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else None
-
-
-def _names(node: ast.AST) -> list[str | None]:
-    if isinstance(node, ast.Name | ast.Attribute):
-        return [_last_name(node)]
-    return [node.arg] if isinstance(node, ast.keyword | ast.arg) else [node.name] if isinstance(node, ast.alias) else []
-
-
-def undocumented(root: Path) -> list[str]:
-    return [
-        f"{path.name}: {getattr(node, 'name', 'the module')}"
-        for path in (*house(root), *files(root, "proofs"))
-        for node in _public(parsed(path))
-        if not ast.get_docstring(node)
-    ]
-
-
-def _public(node: ast.Module | ast.ClassDef) -> Iterator[ast.Module | ast.ClassDef | ast.FunctionDef]:
-    """The module or class, and its public functions and classes; what is defined inside functions is private."""
-    yield node
-    for inner in node.body:
-        if isinstance(inner, ast.ClassDef) and not inner.name.startswith("_"):
-            yield from _public(inner)
-        elif isinstance(inner, ast.FunctionDef) and not inner.name.startswith("_"):
-            hook = inner.name.startswith("pytest_")  # pytest documents its hooks
-            again = any(_last_name(d) in ("setter", "overload", "register") for d in inner.decorator_list)
-            if not hook and not again:
-                yield inner
-
-
-# A docstring that opens so is the end of a sentence whose beginning the reader has to find.
-FRAGMENT = re.compile(r"(Of|By|In|On|From|To|So|As|That|Those|Where|With|Without|Beside)\b")
-
-
-def fragments(root: Path) -> list[str]:
-    return [
-        f"{path.name}: {docstring.splitlines()[0]}"
-        for path in house(root)
-        for node in ast.walk(parsed(path))
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
-        if FRAGMENT.match(docstring := ast.get_docstring(node) or "")
-    ]
-
-
-KEY = re.compile(r"\b[a-z]+(?:-[a-z0-9]+)*-(?:1[6-9]|20)\d\d\b")
-
-
-def cited(root: Path) -> dict[str, str]:
-    """Every citation key in a docstring, a comment or a string of the house, with a file that cites it."""
-    return {key: path.name for path in (*house(root), *files(root, "proofs")) for key in KEY.findall(text_of(path))}
-
-
-def dangling_citations(root: Path) -> list[str]:
-    known = re.findall(r"@\w+\s*\{\s*([^,\s]+)\s*,", text_of(root / "references.bib"))
-    return [f"{file} cites {key}" for key, file in cited(root).items() if key not in known]
-
-
-def talking_inits(root: Path) -> list[str]:
-    """The __init__.py of the rooms that hold more than a docstring, or none."""
-    inits = [path for path in house(root) if path.name == "__init__.py" and path.parent.name != PACKAGE]
-    return [str(p) for p in inits if not ast.get_docstring(parsed(p)) or len(parsed(p).body) > 1]
-
-
-# Words that a user should not have to learn, with the field's word for each.
-OUR_OWN_WORDS = {r"\b[Dd]oors?\b": "calling convention"}
-
-
-def words_of_our_own(root: Path) -> list[str]:
-    pages = [*house(root), *sorted((root / "docs").glob("*.md")), *root.glob("README.md")]
-    return [
-        f"{path.name} says {match[0]}; the field says {better}"
-        for path in pages
-        for word, better in OUR_OWN_WORDS.items()
-        for match in re.finditer(word, text_of(path))
-    ]
-
-
-NARROWING = re.compile(r".* is not None|(not )?isinstance\(.*\)")
-
-
-def deciding_asserts(root: Path) -> list[str]:
-    """Assert statements, which python -O leaves out: in the package they narrow types and decide nothing."""
-    return [
-        f"{path.name}:{node.lineno} asserts {ast.unparse(node.test)}"
-        for path in house(root)
-        for node in ast.walk(parsed(path))
-        if isinstance(node, ast.Assert) and not NARROWING.fullmatch(ast.unparse(node.test))
-    ]
-
-
-def idle_loops(root: Path) -> list[str]:
-    """Tests, and helpers of tests, that would pass if what they loop over were empty."""
-    return [found for path in (*files(root, "tests"), *files(root, "proofs")) for found in idle_tests(root, path)]
-
-
 GUARDS: list[Guard] = [
     *(imports_up, imports_through_the_links, foreign_imports, storeys_climbed, circles, over_budget, too_small),
-    *(unmirrored, defined_twice, inexact_literals, guessing_calls, tolerances, undocumented, dangling_citations),
-    *(talking_inits, words_of_our_own, fragments, deciding_asserts, idle_loops),
+    *(unmirrored, defined_twice, *RULES),
 ]
 
 
@@ -463,26 +300,20 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (imports_up, "driftproof/symbolic/a.py", "import driftproof.numeric.run"),
     (imports_up, "driftproof/numeric/a.py", "def f():\n    from driftproof.symbolic.facts import H"),
     (imports_up, "driftproof/methods/a.py", "from driftproof import symbolic"),
-    (imports_up, "driftproof/support/a.py", "import driftproof.methods.b"),
     (imports_up, "driftproof/blackbox/a.py", "import driftproof.numeric.run"),
-    (imports_up, "driftproof/texts/a.py", "import driftproof.blackbox.verify"),
     (imports_up, "driftproof/reports/a.py", "import driftproof.commands.run"),
-    (imports_up, "driftproof/reports/a.py", "import driftproof.cli"),
     (imports_up, "driftproof/cli.py", "from tests import helpers"),
     (imports_up, "driftproof/symbolic/a.py", "import proofs.setting"),
     (imports_up, "driftproof/numeric/a.py", "from . import b"),
     (imports_through_the_links, "driftproof/texts/a.py", "from symbolic import facts"),
-    (imports_through_the_links, "proofs/a.py", "import numeric.run"),
     (imports_through_the_links, "tests/a.py", "from methods.catalogue import METHODS"),
     (foreign_imports, "driftproof/methods/a.py", "import numpy"),
     (foreign_imports, "driftproof/numeric/a.py", "import flint"),
     (foreign_imports, "driftproof/symbolic/linear/a.py", "import sympy"),
     (foreign_imports, "driftproof/texts/a.py", "def f():\n    import sympy.core"),
     (foreign_imports, "driftproof/cli.py", "from sympy import Symbol"),
-    (storeys_climbed, "driftproof/symbolic/algebra/a.py", "import driftproof.symbolic.linear.b"),
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (storeys_climbed, "driftproof/blackbox/findings.py", "import driftproof.blackbox.stepper.a"),
-    (storeys_climbed, "driftproof/blackbox/stepper/b.py", "import driftproof.blackbox.isolation"),
     (storeys_climbed, "driftproof/blackbox/isolation.py", "import driftproof.blackbox.verify"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
@@ -491,34 +322,8 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (too_small, "driftproof/methods/tiny.py", '"""Tiny."""\n'),
     (unmirrored, "driftproof/methods/lonely.py", LONG),
     (defined_twice, "driftproof/numeric/a.py", "def public(): ..."),
-    (defined_twice, "driftproof/numeric/a.py", "class public: ..."),
     (defined_twice, "driftproof/numeric/a.py", "public: int = 1"),
-    (inexact_literals, "driftproof/methods/a.py", "x = 0.5"),
-    (inexact_literals, "proofs/a.py", "x = -1e-12"), (inexact_literals, "proofs/a.py", "h = 0.1"),
-    (inexact_literals, "proofs/a.py", "h = 2j"),
-    (inexact_literals, "driftproof/symbolic/a.py", "x = 1j"),
-    (guessing_calls, "driftproof/symbolic/a.py", "import sympy\nsympy.nsimplify(x)"),
-    (guessing_calls, "driftproof/a.py", "eval('1')"),
-    (guessing_calls, "proofs/a.py", "from sympy import N\nN(2)"),
-    (guessing_calls, "driftproof/methods/a.py", "sp.sympify('1')"),
-    (tolerances, "proofs/a.py", "import math\nassert math.isclose(1, 2)"),
-    (tolerances, "proofs/a.py", "close(1, 2, rtol=tiny)"),
-    (tolerances, "proofs/a.py", "from pytest import approx as near"),
-    (tolerances, "proofs/a.py", "def close(a, b, atol): ..."),
-    (undocumented, "driftproof/numeric/a.py", "x = 1"),
-    (undocumented, "driftproof/methods/a.py", '"""Doc."""\ndef f(): ...'),
-    (undocumented, "driftproof/methods/a.py", '"""Doc."""\nclass P:\n    """Doc."""\n    def f(self): ...'),
-    (fragments, "driftproof/numeric/a.py", '"""Doc."""\nclass P:\n    """Of n equations."""'),
-    (fragments, "driftproof/texts/a.py", '"""Doc."""\ndef _f():\n    """As `g`."""'),
-    (dangling_citations, "driftproof/symbolic/a.py", '"""True (nobody-1999, 3.1)."""'),
-    (dangling_citations, "driftproof/methods/a.py", 'SOURCE = "no-body-2001, II.2"'),
-    (talking_inits, "driftproof/numeric/__init__.py", '"""Doc."""\nfrom driftproof.numeric import run'),
-    (talking_inits, "driftproof/symbolic/deeper/__init__.py", ""),
-    (words_of_our_own, "driftproof/blackbox/a.py", '"""The door of a stepper."""'),
-    (words_of_our_own, "docs/a.md", "Doors are many."),
-    (deciding_asserts, "driftproof/texts/a.py", "assert 1 < 2"),
-    (idle_loops, "tests/a/test_b.py", "def test_c():\n    for x in found():\n        assert x"),
-    (idle_loops, "proofs/test_a.py", "def test_b():\n    assert all(x for x in found())"),
+    *BROKEN,
 ]  # fmt: skip
 
 
@@ -592,9 +397,3 @@ def test_import_of_driftproof_and_of_methods_loads_no_numpy(modules_after: Calla
 def test_guard_of_heavy_imports_notices_sympy(modules_after: Callable[[str], set[str]]) -> None:
     loaded = modules_after(f"import driftproof.numeric.run; {_all_modules('symbolic/derivation')}")
     assert {"sympy", "numpy"} <= loaded
-
-
-def test_strategies_register_no_profile_on_import(fresh_python: Callable[[str], str]) -> None:
-    profiles = "sorted(hypothesis.settings._profiles)"
-    code = f"import hypothesis\nbefore = {profiles}\nimport driftproof.strategies\nprint(before == {profiles})"
-    assert fresh_python(code) == "True"

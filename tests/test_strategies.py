@@ -148,3 +148,9 @@ def test_profile_is_chosen_by_the_environment(
     env: dict[str, str], chosen: str, fresh_python: Callable[[str], str]
 ) -> None:
     assert fresh_python(CHOSEN.format(env=env)) == chosen
+
+
+def test_strategies_register_no_profile_on_import(fresh_python: Callable[[str], str]) -> None:
+    profiles = "sorted(hypothesis.settings._profiles)"
+    code = f"import hypothesis\nbefore = {profiles}\nimport driftproof.strategies\nprint(before == {profiles})"
+    assert fresh_python(code) == "True"

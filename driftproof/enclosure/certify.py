@@ -44,6 +44,7 @@ FURTHER = Fraction(1, 1000)
 _WRITES = "f writes into its y, from which a solver may go on; the solution that is enclosed does not"
 
 
+@working("certify")
 def certify(
     f: Any,
     t: Any = None,
@@ -77,10 +78,34 @@ def certify(
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
     given = given_problem(f, parameters)
-    unknowns = getattr(given.f, "unknowns", ())
+    field = given_field(given.f)
+    unknowns = field.unknowns if isinstance(field, VectorField) else ()
     run = read_trajectory(Path(t), unknowns) if y is None and isinstance(t, str | Path) else trajectory_of(t, y)
-    found = certificate_of(given.f, run, method, h, invariants)
-    return replace(found, said="\n".join(filter(None, [found.said, *_unlike(given, run)])))
+    if h is not None and method is None:
+        raise ValueError("h has no effect without method")
+    f = right_hand_side(field, len(run.states[0]))
+    functions = invariants_of(invariants, field, len(run.states[0]))
+    with ctx.workprec(BITS_AT_FIRST):
+        require_reproduced_between(f, enclosable(f), run.times, run.states)
+    plan = None if method is None else plan_of(f, run, method, h)
+    WRITTEN.set(False)
+    try:
+        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    except Refused as refusal:
+        raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
+    said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else "", *_unlike(given, run)]))
+    true = dict(zip(enclosed.times, enclosed.states, strict=True))
+    errors = _errors(run, enclosed)
+    split = None if plan is None else _split(plan, run, true)
+    on_time = [true[t] for t in run.exact_times]
+    with ctx.workprec(enclosed.bits):
+        digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
+    with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
+        exact = split.states if split else None
+        drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
+    points = tuple(run.times), tuple(map(tuple, run.states))
+    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    return replace(found, unknowns=unknowns, said=said)
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
@@ -99,44 +124,6 @@ def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
     if given.end is not None and last < given.end * (1 - ANOTHER_START):
         said.append(f"the run ends at t = {last:g}, the problem at {float(given.end):g}")
     return said
-
-
-@working("certify")
-def certificate_of(
-    given: GivenField,
-    run: Trajectory,
-    method: str | Path | Method | None = None,
-    h: ExactNumber | None = None,
-    invariants: GivenInvariants = (),
-) -> Certificate:
-    """The certificate that `certify` returns, for a trajectory that is already read."""
-    if h is not None and method is None:
-        raise ValueError("h has no effect without method")
-    given = given_field(given)
-    unknowns = given.unknowns if isinstance(given, VectorField) else ()
-    f = right_hand_side(given, len(run.states[0]))
-    functions = invariants_of(invariants, given, len(run.states[0]))
-    with ctx.workprec(BITS_AT_FIRST):
-        require_reproduced_between(f, enclosable(f), run.times, run.states)
-    plan = None if method is None else plan_of(f, run, method, h)
-    WRITTEN.set(False)
-    try:
-        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
-    except Refused as refusal:
-        raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
-    said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else ""]))
-    true = dict(zip(enclosed.times, enclosed.states, strict=True))
-    errors = _errors(run, enclosed)
-    split = None if plan is None else _split(plan, run, true)
-    on_time = [true[t] for t in run.exact_times]
-    with ctx.workprec(enclosed.bits):
-        digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
-    with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
-        exact = split.states if split else None
-        drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
-    points = tuple(run.times), tuple(map(tuple, run.states))
-    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
-    return replace(found, unknowns=unknowns, said=said)
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:

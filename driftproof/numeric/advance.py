@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.explicit_steps import field_source
@@ -57,24 +57,16 @@ def error_summary(error: Exception) -> str:
     return getattr(error, "reason", "") or " ".join(str(error).split())
 
 
-class StepTimes(NamedTuple):
-    """N steps from 0 towards t: `h` is the double used as step size, `end` the time N h at which they end, exactly.
+def float_step(t: Fraction, steps: int) -> float:
+    """The double h used as the size of N steps to t. Raises ValueError for no step, or an h that no double is near to.
 
-    Unless h is subnormal, |h - t/N| <= u|t/N| and so |end - t| <= u|t|, as if t itself were rounded. To separate the
-    error of a run from the error of its times, compare with the solution at `end`. The time fl(i h) of step i is within
-    (2u + u²)|i t/N| of i t/N, while a sum of i times h may be off by i²u|h|/2 more.
+    The steps end at N h, exactly. Unless h is subnormal, |h - t/N| <= u|t/N| and so |N h - t| <= u|t|, as if t itself
+    were rounded. The time fl(i h) of step i is within (2u + u²)|i t/N| of i t/N, while a sum of i times h may be off by
+    i²u|h|/2 more.
     """
-
-    h: float
-    end: Fraction
-
-
-def step_times(t: Fraction, steps: int) -> StepTimes:
-    """Step size and end of `steps` steps to t. Raises ValueError for no step, or an h that no double is near to."""
     if steps < 1:
         raise ValueError(f"steps is {steps}; must be at least 1")
-    h = nearest_double(t / steps, "h = t / steps")
-    return StepTimes(h, steps * Fraction(h))
+    return nearest_double(t / steps, "h = t / steps")
 
 
 def float_start(problem: Problem) -> State:

@@ -36,33 +36,19 @@ FLOAT_FUNCTIONS = {"abs": abs} | {
 }
 
 
-def compiled_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
+def compiled_ensemble_runner(method: Method, field: VectorField) -> EnsembleRun:
     """Return run(y, h, first, last) on many systems: y has a row for each component and a column for each system.
 
     y, of binary64, is overwritten with the states after steps first to last - 1, step i from t = i h, with the bits of
-    `runner`. `threads` threads share the systems. Needs the extra `fast`. Raises ValueError for another y.
+    `runner`. Needs the extra `fast`. Raises ValueError for another y.
     """
     source = field_source(method, field)
 
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(source.components))
-        run = _compiled_blocks(source)
-        in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads, BLOCK)
+        _compiled_blocks(source)(y, h, first, last)
 
     return run_blocks
-
-
-def in_threads(run: Callable[[int, int], None], members: int, threads: int, block: int = 1) -> None:
-    """Call run(start, stop) over all members, in up to `threads` parts of whole blocks; a single part runs here."""
-    part = block * max(1, -(-members // (block * threads)))
-    starts = range(0, members, part)
-    if len(starts) < 2:
-        run(0, members)
-        return
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(lambda start: run(start, min(start + part, members)), starts))
 
 
 def require_ensemble(y: FloatArray, rows: int) -> None:
@@ -71,14 +57,10 @@ def require_ensemble(y: FloatArray, rows: int) -> None:
         raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
 
 
-def array_runner(method: Method, field: VectorField, library: Any) -> Run:
-    """Return run(y, h, first, last) on a tuple of arrays of any library with the functions of the array API standard.
-
-    It executes the text of `runner`, one operation at a time on whole arrays. In NumPy, torch and JAX the four
-    operations have the same bits; if `jax.jit` fuses products into sums, results differ within the derived bound.
-    """
+def array_runner(method: Method, field: VectorField) -> Run:
+    """Return run(y, h, first, last) on a tuple of NumPy's arrays: the text of `runner`, one operation at a time."""
     source = field_source(method, field)
-    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(library))
+    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(np))
 
 
 def functions_of(library: Any) -> dict[str, Any]:
@@ -130,20 +112,19 @@ def _compiled_blocks(source: FieldSource) -> Callable[..., Any]:
 
 
 def _blocks_text(source: FieldSource) -> str:
-    """The text of make(coefficients...) -> run(y, h, first, last, begin, end), which steps columns begin to end - 1.
+    """The text of make(coefficients...) -> run(y, h, first, last), which steps every column.
 
     It loops over blocks of columns, in them over steps, and in these over the columns of the block. The inner loop
     counts from zero over a slice: over part of the whole array it would not be vectorised.
     """
-    stop = f"min(start_ + {BLOCK}, end_)"
-    cut = [f"{name}_block = y[{k}][start_:{stop}]" for k, name in enumerate(source.components)]
+    cut = [f"{name}_block = y[{k}][start_ : start_ + {BLOCK}]" for k, name in enumerate(source.components)]
     read = [f"{name} = {name}_block[member_]" for name in source.components]
     write = [f"{name}_block[member_] = {name}_new" for name in source.components]
     members = [f"for member_ in range(len({source.components[0]}_block)):", *indented([*read, *source.lines, *write])]
     steps = ["for i in range(first, last):", *indented(["t = i * h", *members])]
-    blocks = [f"for start_ in range(begin_, end_, {BLOCK}):", *indented([*cut, *steps])]
+    blocks = [f"for start_ in range(0, len(y[0]), {BLOCK}):", *indented([*cut, *steps])]
     names = [name for name, _ in source.coefficients]
-    return maker_text(names, "run", ["def run(y, h, first, last, begin_, end_):", *indented(blocks)])
+    return maker_text(names, "run", ["def run(y, h, first, last):", *indented(blocks)])
 
 
 def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:

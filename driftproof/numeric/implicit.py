@@ -28,26 +28,21 @@ R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last for subnormal Z. Ter
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.engine import EnsembleRun, FloatArray, in_threads, require_ensemble
+from driftproof.numeric.engine import EnsembleRun, FloatArray, require_ensemble
 from driftproof.numeric.field_loops import field_writers
-from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
+from driftproof.numeric.loops import loop, maker_of_rows
 from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
-_Vector: TypeAlias = NDArray[np.float64]
-_Rate: TypeAlias = Callable[[float, _Vector], Any]
-# (t, y) -> the n x n matrix of the derivatives of the rate.
-Jacobian: TypeAlias = Callable[[float, _Vector], Any]
 NO_STEP = (0.0,) * (newton.SYSTEM + 1)  # the report before the first step
 
 
@@ -61,77 +56,6 @@ class StageEquationsUnsolved(ArithmeticError):
         """Keep both; a copy made from the message alone, as pickle makes it, gets its reason afterwards."""
         super().__init__(message)
         self.reason = reason
-
-
-class ImplicitStep(NamedTuple):
-    """The result of an implicit step.
-
-    `residual` is the largest |g| left in a stage equation, in the units of y; `over_floor` is the largest ratio of |g|
-    to what rounding explains, 8E + 4R, and at most 1.
-    """
-
-    y: _Vector
-    residual: float
-    over_floor: float
-    iterations: int
-
-
-ImplicitStepper: TypeAlias = Callable[[float, Any, float], ImplicitStep]
-
-
-def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = None) -> ImplicitStepper:
-    """Return step(t, y, h) of a Runge-Kutta or collocation method for one-dimensional y; h may be negative.
-
-    Without `jacobian` derivatives are approximated by differences, which affects the number of iterations only.
-    Collocation methods are run by the tableau that their nodes determine. The step raises StageEquationsUnsolved rather
-    than return what is not solved to rounding, and ValueError for a rate of another length than y. Raises MethodError
-    for splittings and Nyström methods.
-    """
-    given = _UserFunctions(rate, jacobian)
-    writers, table = FieldWriters(given.write_rate, given.write_derivatives), _table(method)
-
-    def step(t: float, y: Any, h: float) -> ImplicitStep:
-        state, report, given.h = np.array(y, np.float64).tolist(), list(NO_STEP), h
-        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            run_steps(writers, t, state, h, 0, 1, table, report)
-        require_done(method.key, report, t, h)
-        residual, over_floor = report[newton.RESIDUAL], report[newton.OVER_FLOOR]
-        return ImplicitStep(np.array(state), residual, over_floor, int(report[newton.ITERATIONS]))
-
-    return step
-
-
-@dataclass
-class _UserFunctions:
-    """A user's rate and Jacobian in the form that the loops call; `h`, the present step size, scales differences."""
-
-    rate: _Rate
-    jacobian: Jacobian | None
-    h: float = field(init=False)
-
-    def write_rate(self, t: float, y: list[float], f: list[float]) -> None:
-        f[:] = self._slope(t, np.array(y)).tolist()
-
-    def write_derivatives(self, t: float, y: list[float], matrix: list[list[float]]) -> None:
-        at = np.array(y)
-        found = self._differences(t, at) if self.jacobian is None else self.jacobian(t, at)
-        matrix[:] = np.asarray(found, np.float64).tolist()
-
-    def _slope(self, t: float, y: _Vector) -> _Vector:
-        found = np.asarray(self.rate(t, y), np.float64)
-        if found.shape != y.shape:
-            raise ValueError(f"the right-hand side returns shape {found.shape} for a state of {len(y)} components")
-        return found
-
-    def _differences(self, t: float, y: _Vector) -> _Vector:
-        base = self._slope(t, y)
-        sizes = np.maximum(np.abs(y), np.abs(self.h * base))
-        shifts = np.sqrt(newton.UNIT) * np.where(sizes > 0, sizes, 1.0)
-        columns = [
-            (self._slope(t, y + shift * unit) - base) / shift
-            for shift, unit in zip(shifts, np.eye(len(y)), strict=True)
-        ]
-        return np.array(columns).T
 
 
 @dataclass
@@ -160,6 +84,9 @@ class ImplicitRun:
 def implicit_runner(method: Method, field: VectorField, *, compiled: bool = False) -> ImplicitRun:
     """The loop of an implicit method on floats, with Jacobian matrices by exact formulas.
 
+    Collocation methods are run by the tableau that their nodes determine. A run raises StageEquationsUnsolved rather
+    than return what is not solved to rounding. Raises MethodError for splittings and Nyström methods.
+
     Compiled by numba it has the same bits, and needs the extra `fast`. The first call on a field then compiles, which
     takes some ten seconds; other methods on that field need no more.
     """
@@ -169,7 +96,7 @@ def implicit_runner(method: Method, field: VectorField, *, compiled: bool = Fals
     return ImplicitRun(method.key, run, table, maker_of_rows(compiled=compiled))
 
 
-def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
+def compiled_implicit_ensemble_runner(method: Method, field: VectorField) -> EnsembleRun:
     """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_ensemble_runner`.
 
     Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
@@ -179,13 +106,9 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
 
     def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(field.rates))
-
-        def run_part(start: int, stop: int) -> None:
-            report = np.array(NO_STEP)
-            run(y, h, first, last, arrays, report, start, stop)
-            require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
-
-        in_threads(run_part, y.shape[1], threads)
+        report = np.array(NO_STEP)
+        run(y, h, first, last, arrays, report)
+        require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
 
     return run_systems
 

@@ -73,6 +73,14 @@ def add_to(y: Any, move: Any, place: Any) -> None:
         place[k] = y[k] + move[k]
 
 
+def combined(weights: Any, rows: Any, count: int, k: int) -> float:
+    """Σ wⱼ times the k-th entry of row j, over the first `count` rows."""
+    total = 0.0
+    for j in range(count):
+        total += weights[j] * rows[j][k]
+    return total
+
+
 def _largest_entry(rows: Any) -> float:
     """The largest entry in absolute value."""
     found = 0.0
@@ -246,10 +254,7 @@ def _group_equations(
         for j in range(stages):
             a[i][j] = row[first + j]
         for k in range(len(y)):
-            total = 0.0
-            for j in range(first):
-                total += row[j] * slopes[j][k]
-            known[i][k] = total
+            known[i][k] = combined(row, slopes, first, k)
     return Equations(t, y, h, a, c, known)
 
 
@@ -304,12 +309,10 @@ def run_steps(
             return
 
 
-def run_ensemble(
-    writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int
-) -> None:
-    """Take steps first to last - 1 of columns begin to end - 1; stop at the first system that fails."""
+def run_ensemble(writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any) -> None:
+    """Take steps first to last - 1 of every column; stop at the first system that fails."""
     state = writers.zeros(len(y))
-    for column in range(begin, end):
+    for column in range(len(y[0])):
         for k in range(len(y)):
             state[k] = y[k][column]
         run_steps(writers, 0.0, state, h, first, last, table, report)

@@ -99,7 +99,7 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
     """(N + 1) u Q + u t ‖f‖ + half a unit: the part of an error that need not be the method's own.
 
     Q is the `largest_state_size`: rounding the start, and each of N additions to the state, costs up to u Q. The steps,
-    h = fl(t/N), end within u t of t (`advance.StepTimes`), where the solution moves at `speed` = ‖f(t, y(t))‖. The last
+    h = fl(t/N), end within u t of t (`float_step`), where the solution moves at `speed` = ‖f(t, y(t))‖. The last
     term is the reference's. The sum is to first order and leaves out what the flow magnifies: it is a threshold, which
     a stiff or chaotic problem may exceed.
     """

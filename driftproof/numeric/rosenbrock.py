@@ -19,6 +19,7 @@ from driftproof.numeric.elimination import Band, factored, solve
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import ImplicitRun
 from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
+from driftproof.numeric.newton import combined
 from driftproof.numeric.step_control import EVALUATIONS, StepControl, error_size
 
 
@@ -99,14 +100,6 @@ def _factored_stage_matrix(matrix: Any, order: Any, step: float, jacobian: Any, 
     return factored(matrix, order, n, band.lower, band.upper)
 
 
-def _add_weighted(weights: Any, rows: Any, count: int, k: int) -> float:
-    """Σ wⱼ times the k-th entry of row j, over the first `count` rows."""
-    total = 0.0
-    for j in range(count):
-        total += weights[j] * rows[j][k]
-    return total
-
-
 def _begin_step(writers: FieldWriters, y: Any, work: RosenbrockWork) -> None:
     """Evaluate J and f at the start of a step."""
     writers.jacobian(0.0, y, work.jacobian)
@@ -124,11 +117,11 @@ def _solve_stages(
     for i in range(len(table.b)):
         if table.anew[i]:
             for k in range(n):
-                place[k] = y[k] + h * _add_weighted(table.alpha[i], slopes, i, k)
+                place[k] = y[k] + h * combined(table.alpha[i], slopes, i, k)
             writers.rate(0.0, place, rate)
             calls += 1
         for k in range(n):
-            mixed[k] = _add_weighted(table.gamma[i], slopes, i, k)
+            mixed[k] = combined(table.gamma[i], slopes, i, k)
         for k in range(n):
             total, first = 0.0, max(0, k - band.lower)
             for j in range(first, min(n, k + band.upper + 1)):
@@ -161,7 +154,7 @@ def run_rosenbrock(
         report[newton.STATE] = newton.DONE if regular else newton.SINGULAR
         if regular:
             for k in range(len(state)):
-                state[k] += h * _add_weighted(table.b, work.slopes, len(table.b), k)
+                state[k] += h * combined(table.b, work.slopes, len(table.b), k)
                 if not isfinite(state[k]):
                     report[newton.STATE] = newton.OVERFLOWS
         if report[newton.STATE] != newton.DONE:
@@ -184,6 +177,6 @@ def rosenbrock_attempt(
     if not regular:
         return inf
     for k in range(len(y)):
-        new[k] = y[k] + h * _add_weighted(table.b, work.slopes, len(table.b), k)
-        work.place[k] = h * _add_weighted(table.off, work.slopes, len(table.b), k)
+        new[k] = y[k] + h * combined(table.b, work.slopes, len(table.b), k)
+        work.place[k] = h * combined(table.off, work.slopes, len(table.b), k)
     return error_size(work.place, y, new, given)

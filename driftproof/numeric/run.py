@@ -13,6 +13,7 @@ import numpy as np
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.rationals import brief
 from driftproof.methods.stepping import Force, Step, oscillator
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper
@@ -61,23 +62,20 @@ def integrate(
     record: Callable[[FloatOrArray, FloatOrArray], None] | None = None,
     counter: Counter = range,
 ) -> FloatState:
-    """The state after `steps` steps of size h, each in the precision of its arguments.
+    """The state after `steps` steps of size h.
 
     `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState at
-    the first state that is not finite, the start included; in an ensemble, at that of any member.
+    the first state that is not finite, the start included.
     """
     q, v = start
-    floats = isinstance(q, float) and isinstance(v, float)
-    finite: Callable[[Any], Any] = isfinite if floats else lambda x: np.isfinite(x).all()
-    if not (finite(q) and finite(v)):
+    if not (isfinite(q) and isfinite(v)):
         raise NonFiniteState(0, start)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for i in counter(steps):
-            q, v = step(force, q, v, h)
-            if not (finite(q) and finite(v)):
-                raise NonFiniteState(i + 1, (q, v))
-            if record is not None:
-                record(q, v)
+    for i in counter(steps):
+        q, v = step(force, q, v, h)
+        if not (isfinite(q) and isfinite(v)):
+            raise NonFiniteState(i + 1, (q, v))
+        if record is not None:
+            record(q, v)
     return q, v
 
 
@@ -109,21 +107,22 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _float_step(key: str) -> Step:
-    """The method's step; an implicit one solves its stages by Newton's method, whose calls of the force count."""
+    """The method's step; an implicit one solves its stages by Newton's method, whose evaluations of the force count."""
     if (method := method_of(key)).explicit:
         return float_stepper(method)
-    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
+    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
+
+    run = implicit_runner(method, VectorField(("y1", "-y0")))
 
     def step(force: Force, q: FloatOrArray, v: FloatOrArray, h: FloatOrArray) -> FloatState:
-        def rate(_: float, y: Any) -> Any:
-            return np.array([y[1], force(y[0])])
-
-        # The oscillator's own derivatives: only the number of iterations depends on them.
-        solve = implicit_stepper(method, rate, lambda _, y: [[0.0, 1.0], [-1.0, 0.0]])
+        before = run.calls
         try:
-            return tuple(solve(0.0, (q, v), h).y.tolist())
+            q, v = run((q, v), h, 0, 1)
         except StageEquationsUnsolved as error:
             raise RunEnded(str(error)) from None
+        if isinstance(force, CountedForce):
+            force.calls += run.calls - before
+        return q, v
 
     return step
 

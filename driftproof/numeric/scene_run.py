@@ -38,7 +38,7 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
-    from driftproof.numeric.advance import State, advance, evaluations_of, float_start, step_times
+    from driftproof.numeric.advance import State, advance, evaluations_of, float_start, float_step
     from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
     from driftproof.numeric.stability import STEPS_BETWEEN_CHECKS, observe
 
@@ -52,7 +52,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         next(n for n, _ in ticks if n == done)
 
     apart = 1 if keep else STEPS_BETWEEN_CHECKS
-    seen = observe(run, start, step_times(scene.t, scene.steps).h, scene.steps, apart=apart, look=look)
+    seen = observe(run, start, float_step(scene.t, scene.steps), scene.steps, apart=apart, look=look)
     if seen.failed_after is not None:
         if not all(map(isfinite, seen.state)):
             raise NonFiniteState(seen.failed_after, seen.state)

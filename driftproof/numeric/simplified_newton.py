@@ -25,7 +25,7 @@ from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 from driftproof.numeric.elimination import Band, factored, solve
 from driftproof.numeric.loops import FieldWriters
-from driftproof.numeric.newton import add_to
+from driftproof.numeric.newton import add_to, combined
 from driftproof.numeric.step_control import EVALUATIONS, StepControl, error_size
 from driftproof.numeric.tableaux import NODE_BITS
 
@@ -104,19 +104,11 @@ def _factor_blocks(h: float, table: CollocationTable, work: Work, band: Band) ->
     return regular
 
 
-def _combined(weights: Any, rows: Any, k: int) -> float:
-    """Σ wᵢ times the k-th entry of row i."""
-    total = 0.0
-    for i in range(len(weights)):
-        total += weights[i] * rows[i][k]
-    return total
-
-
 def _multiply_rows(matrix: Any, rows: Any, x: Any) -> None:
     """Overwrite the rows with the matrix times them; x has room for an entry of each row."""
     for k in range(len(rows[0])):
         for i in range(len(matrix)):
-            x[i] = _combined(matrix[i], rows, k)
+            x[i] = combined(matrix[i], rows, len(matrix), k)
         for i in range(len(matrix)):
             rows[i][k] = x[i]
 
@@ -148,7 +140,7 @@ def _iterated(writers: FieldWriters, t: float, y: Any, h: float, control: StepCo
     report[EVALUATIONS] += len(table.c)
     for k in range(len(y)):
         for i in range(len(table.c)):
-            changes[i][k] = slopes[i][k] - _combined(table.inverse[i], moves, k) / h
+            changes[i][k] = slopes[i][k] - combined(table.inverse[i], moves, len(table.c), k) / h
     _correct(table, work, writers.band)
     largest = 0.0
     for i in range(len(table.c)):
@@ -202,7 +194,7 @@ def _estimated_error(y: Any, h: float, new: Any, slope: Any, band: Band, control
     """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h), by the first block, into `work.off`; return its size."""
     given, table, work, _ = control
     for k in range(len(y)):
-        work.off[k] = slope[k] + _combined(table.estimate, work.moves, k) / h
+        work.off[k] = slope[k] + combined(table.estimate, work.moves, len(table.c), k) / h
     solve(work.matrices[0], work.exchanged[0], len(y), work.off, band.lower, band.upper)
     return error_size(work.off, y, new, given)
 
@@ -219,7 +211,7 @@ def collocation_attempt(
         report[EVALUATIONS] += 1
         for i in range(len(table.c)):
             for k in range(n):
-                work.polynomial[i][k] = _combined(table.powers[i], work.moves, k)
+                work.polynomial[i][k] = combined(table.powers[i], work.moves, len(table.c), k)
     memory[TRIED] = h
     while True:
         if memory[WANTED] and not memory[CURRENT]:
@@ -237,7 +229,7 @@ def collocation_attempt(
             return inf
         memory[WANTED] = True
     for k in range(n):
-        new[k] = y[k] + _combined(table.weights, work.moves, k)
+        new[k] = y[k] + combined(table.weights, work.moves, len(table.c), k)
     error = _estimated_error(y, h, new, work.slope, band, control)
     if error > 1:
         add_to(y, work.off, work.x)

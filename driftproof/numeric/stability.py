@@ -64,14 +64,12 @@ def fastest_decay(problem: Problem) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Observed:
-    """A run of `steps` steps of the float h: its last state and, if it failed, at which step and why (`remark`).
+    """What was seen of a run: its last state and, if it failed, at which step and why (`remark`).
 
     `failed_after` is the number of the first step whose state is not finite or could not be computed; None if there is
     none. `largest` is the largest norm of a state seen, at looks up to STEPS_BETWEEN_CHECKS steps apart.
     """
 
-    h: float
-    steps: int
     state: State
     largest: float
     failed_after: int | None = None
@@ -99,18 +97,18 @@ def observe(
             reached = advance(y, h, done, last)
         except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
             if last == done + 1:
-                return Observed(h, steps, y, largest, last, error_summary(error))
+                return Observed(y, largest, last, error_summary(error))
             stride = 1
             continue
         if not all(map(isfinite, reached)):
             if last == done + 1:
-                return Observed(h, steps, reached, inf, last, "not finite")
+                return Observed(reached, inf, last, "not finite")
             stride = (last - done) // 2
             continue
         y, done, largest = reached, last, max(largest, hypot(*reached))
         look(done, y)
         stride = min(2 * stride, apart)
-    return Observed(h, steps, y, largest)
+    return Observed(y, largest)
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:

@@ -21,7 +21,7 @@ from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_o
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import Advance, advance, float_start, rests_at_origin, step_times
+from driftproof.numeric.advance import Advance, advance, float_start, float_step, rests_at_origin
 from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
@@ -219,7 +219,7 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     def follows(steps: int) -> bool:
         if steps < least:
             return False
-        seen = observe(runs, start, step_times(problem.t, steps).h, steps, _LOST * extent)
+        seen = observe(runs, start, float_step(problem.t, steps), steps, _LOST * extent)
         return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
     most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
@@ -227,7 +227,7 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
 
 
 def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
-    h = step_times(problem.t, steps).h
+    h = float_step(problem.t, steps)
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
     return {

@@ -35,20 +35,19 @@ _NEARLY_ALL = 0.9
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a worker: clock and processor seconds per answer, and bytes of memory, of an answer and of a file.
+    """The limits of a worker: seconds per answer, and bytes of memory, of an answer and of a file.
 
     Memory is private data (on Linux also in mappings) beyond that of the worker at its start.
     """
 
     seconds: float = 60.0
-    processor_seconds: float | None = None
     memory: int | None = None
     answer: int = 2**26
     file: int | None = None
 
 
 class ProcessEnded(Exception):
-    """A request has no answer; `cause` is one of time, processor, memory, exit, signal, killed, raised and answer.
+    """A request has no answer; `cause` is one of time, memory, exit, signal, killed, raised and answer.
 
     The message adds the numbers: "no answer within 10 s", "the process ended (signal 11, SIGSEGV)".
     """
@@ -103,7 +102,7 @@ class Session:
             for end in theirs[:2]:
                 os.close(end)
             self._control[1].close()
-        self._send({"memory": limits.memory, "processor": limits.processor_seconds, "file": limits.file})
+        self._send({"memory": limits.memory, "file": limits.file})
         self._started = False
 
     def __enter__(self) -> Session:
@@ -213,8 +212,6 @@ class Session:
         if not self._status:
             return ProcessEnded("killed", "the process ended (its supervisor is gone)")
         code, peak, limits = self._status["code"], self._status["peak"], self.limits
-        if code == -signal.SIGXCPU:
-            return ProcessEnded("processor", f"more than {limits.processor_seconds:.3g} s of processor time")
         if limits.memory is not None and code and peak > _NEARLY_ALL * limits.memory:
             return ProcessEnded("memory", self._memory_words())
         if code >= 0:

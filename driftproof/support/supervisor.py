@@ -18,9 +18,8 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from math import ceil
 from pathlib import Path
-from time import monotonic, process_time, sleep
+from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 _Json = Any
@@ -134,7 +133,6 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
         _send(answers, _raised(error))
         return
     for line in requests:
-        _limit_processor(limits["processor"])
         try:
             text = json.dumps({"answer": answering(json.loads(line))})
         except Exception as error:
@@ -187,16 +185,6 @@ def _limit(memory: int | None, file: int | None) -> None:
         if most is not None:
             most = most if hard == resource.RLIM_INFINITY else min(most, hard)
             resource.setrlimit(what, (most, most))
-
-
-def _limit_processor(seconds: float | None) -> None:
-    """Limit processor time to `seconds` from now on."""
-    import resource
-
-    if seconds is not None:
-        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-        most = ceil(process_time() + seconds)
-        resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
 def _prctl(option: int, argument: int) -> None:

@@ -29,18 +29,14 @@ REFUSED = [
     (cli.exactly("t"), "1//2", "t: '1//2' is not a rational number; write an integer, a fraction like 1/4"),
     (cli.exactly("t"), "__import__('os').getpid()", "is not a rational number"),
     (cli.exactly("t"), "9" * 5000, "is too long; at most 1200 characters"),
-    (cli.nonzero_step, "1e999999999", "h: '1e999999999' is too long"),
     (cli.nonzero_step, "-0.0", "the step size h must not be 0"),
     (cli.initial_state, "1", "'1' is not a state; write position,velocity like 1,0"),
-    (cli.initial_state, "1,0,0", "'1,0,0' is not a state"),
-    (cli.initial_state, "1e999999999,0", "q: '1e999999999' is too long"),
     (cli.initial_state, "1,x", "v: 'x' is not a rational number"),
     *((digits, text, f"{text!r} is not allowed") for text in ("0", "-3", "10001", "1.5")),
     (digits, "\u0663", "is not allowed: the number of digits"),
     (digits, "1" + "0" * 5000, "'10000000000000000000' is not allowed: the number of digits"),
     (cli.positive_number("limit"), "0", "'0' is not allowed: the limit must be a number above 0"),
     (cli.positive_number("limit"), "1e400", "'1e400' is too large for the limit"),
-    (cli.positive_number("limit"), "nan", "limit: 'nan' is not a rational number"),
     (cli.several(cli.nonzero_step), "1/4,,1/8", "h: '' is not a rational number"),
 ]
 

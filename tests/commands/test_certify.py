@@ -87,7 +87,6 @@ BAD = {
     ("certified_model:nothing", RUN): "cannot be imported: AttributeError",
     ("certified_model:driven", RUN): "f must take (t, y) and return numbers: TypeError: driven() missing 1 required",
     ("a b:c", RUN): "'a b:c' names no function; write package.module:function",
-    ("no.toml", RUN): "no.toml: No such file", (TEXT, "no.csv"): "no.csv: No such file",
     (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is not a number",
     (TEXT, RUN, "--h", "1/8"): "h has no effect without method",
     ("y0", RUN): "f has 1 components, but the trajectory has 2",

@@ -153,15 +153,12 @@ def test_fact_is_written_as(form, of, fact, words, answer):
 
 REFUSED = {
     ("rk4", "--json"): "unrecognized arguments: --json; did you mean --format json? (",
-    ("rk5",): "unknown method 'rk5'",
-    ("none.toml",): "none.toml: No such file or directory",
     (".",): "unknown method '.' (`driftproof methods` lists all)",
     ("rk4", "--terms", "0"): "'0' is not allowed: the number of terms must be from 1 to 1000",
     ("rk4", "--system", "0 1; 2"): "the system is not square: row 2 of 2 has 1 entries",
     ("rk4", "--system", "0 x; 1 0"): "row 1, entry 2: 'x', column 1: 'x' is a name",
     ("rk4", "--system", "sqrt(2)"): "row 1, entry 1: sqrt(2) is irrational; the entries of a system are rational",
     ("rk4", "--system", "1;" * 13): "the system has 13 rows; at most 12 are read",
-    ("rk4", "--system", "1e999999999"): "row 1, entry 1: '1e999999999', column 1: number: '1e999999999' is too long",
     ("rk4", "--system", "1", "--only", "order"): "unknown fact 'order'; choose from method, system",
     ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` cannot be combined with an order tolerance",
     ("rk4", "--system", "1", "--plot", "x.svg"): "--plot takes one method",

@@ -86,12 +86,10 @@ REFUSED = {
     ("identify", "os:getcwd", "--largest-state", "9"): "--largest-state has no effect without --method",
     ("identify", "os:getcwd", "--solver", "--array", "os:a"): "--array has no effect with --solver",
     ("identify", "os:getcwd", "--solver", "--largest-step", "9"): "--largest-step has no effect with --solver",
-    ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or ",
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "the number of examples must be from 1 to 1000000",
     ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "the step size must be a number above 0",
     ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "0"): "must be a finite number > 0",
     ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "1e-10"): "takes no solver_tolerance",
-    ("verify", "os:getcwd", "--method", "rk4", "--examples", "none"): "number of examples",
 }
 
 

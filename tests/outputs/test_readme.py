@@ -7,8 +7,9 @@ import pytest
 
 from docs.pages import CONSOLE, TUTORIALS, printed
 from driftproof.commands.listing import COMMANDS
+from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.work_precision.curves import curves
+from driftproof.numeric.work_precision.curves import curve_of
 from tests.looping import exactly, some
 
 ROOT = Path(__file__).parents[2]
@@ -64,5 +65,5 @@ def test_evaluations_beside_the_run_times_are_the_fewest_that_reach_the_error():
     told = [(most, key, int(cell.split()[0].rstrip(","))) for most, key, cell in asked if cell[:1].isdigit()]
     for most, key, evaluations in exactly(5, told):
         steps = evaluations // (4 if key == "rk4" else 1)
-        coarse, fine = curves(problem, [key], [steps // 2, steps])[0].points
+        coarse, fine = curve_of(METHODS[key], problem, [steps // 2, steps]).points
         assert fine.error <= most < coarse.error

@@ -13,8 +13,7 @@ from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
 from driftproof.reports.rounding import budget_answer, budget_text, roundoff
 from driftproof.symbolic.rounding.formats import BINARY32
-from tests.looping import exactly, some
-from tests.nine import NINE
+from tests.looping import some
 
 
 def decimal(answer):
@@ -40,18 +39,6 @@ def test_first_order_forms_are_those_derived_by_hand(key, dq):
     assert answer["differences_from_definition"] == []
 
 
-def test_sharper_form_is_never_above_the_plain_one():
-    (at,) = roundoff("rk4", [Q(5, 2)])["at"]
-    pairs = zip(at["sharp"], at["plain"], strict=True)
-    assert all(decimal(sharp) < decimal(plain) for sharp, plain in exactly(4, pairs))
-
-
-def test_other_formats_take_the_generic_step():
-    answer = roundoff("rk4", [Q(1, 3)], float="binary32")
-    assert answer["program"] == "generic"
-    assert Q(answer["at"][0]["h"]) == BINARY32.nearest(Q(1, 3)) != Q(1, 3)
-
-
 def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
     monkeypatch.setitem(METHODS._methods, "rk4", replace(METHODS["midpoint2"], key="rk4"))
     assert "The program differs from the definition of the method:\n" in (text := str(roundoff("rk4", [])))
@@ -62,14 +49,6 @@ def test_a_program_that_is_not_the_definition_is_reported(monkeypatch):
 def test_theorem_bounds_the_lesson_s_runs_in_few_units(key, most):
     answer = budget(key)
     assert decimal(answer["rounding_in_u"]) <= decimal(answer["bound"]["in_u"]) <= most
-
-
-@pytest.mark.parametrize("key", list(NINE))
-def test_state_error_is_at_most_truncation_plus_rounding(key):
-    answer = budget(key, start=(Q(3, 7), Q(-2)))
-    # each of the three is rounded in the 15th digit of a number below 16
-    last_place = Q(1, 10**13)
-    assert decimal(answer["state_error"]) <= decimal(answer["truncation"]) + decimal(answer["rounding"]) + last_place
 
 
 def test_irrational_coefficients_have_bounds_about_the_definition_and_about_the_program_and_say_which():
@@ -94,7 +73,9 @@ def test_a_program_that_holds_its_coefficients_exactly_has_no_bound_of_another_k
     text = str(answer)
     assert "as held" not in text
     assert "Decimals" not in text
-    generic = roundoff("rk4", [Q(1, 4)], float="binary32")
+    generic = roundoff("rk4", [Q(1, 3)], float="binary32")
+    assert generic["program"] == "generic"
+    assert Q(generic["at"][0]["h"]) == BINARY32.nearest(Q(1, 3)) != Q(1, 3)
     assert generic["rounds_coefficients"]
     assert "as_held" in generic["at"][0]
 

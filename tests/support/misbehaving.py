@@ -20,13 +20,6 @@ def hangs(request):
         pass
 
 
-def works(seconds):
-    end = time.process_time() + seconds
-    while time.process_time() < end:
-        pass
-    return "done"
-
-
 def sleeps(request):
     time.sleep(600)
 

@@ -9,9 +9,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
-from driftproof.numeric.implicit import implicit_stepper
 from driftproof.symbolic.runs import exact_matrix_at
-from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
+from tests.numeric.implicit_runs import U, implicit_stepper, oscillator, rounding_of_a_step
 from tests.witnesses.matrix_powers import endpoint, float_turn
 
 COLLOCATION = [method for method in METHODS.values() if isinstance(method, Collocation)]
@@ -57,7 +56,7 @@ def test_an_endpoint_has_the_bits_of_products_of_matrices_and_says_how_many(key,
 def test_an_endpoint_by_powers_is_that_of_the_run_and_says_that_it_is_none(steps, h):
     """Rotation by Gauss's matrix: each product of two matrices rounds each entry by at most 3u, each step too."""
     found = endpoint(METHODS["gauss5"], (0.6, -0.8), h, steps)
-    run = implicit_run(implicit_stepper(METHODS["gauss5"], oscillator), [0.6, -0.8], h, steps)
+    run = implicit_stepper(METHODS["gauss5"], oscillator)(0.0, [0.6, -0.8], h, steps)
     most = steps * (rounding_of_a_step(METHODS["gauss5"], h) + 12 * float(U))
     assert np.hypot(*(np.array(run.y) - [found.q, found.v])) <= most
     assert f"power {steps} of the one-step matrix" in found.how

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.numeric.advance import error_summary, field_rate
@@ -136,34 +135,28 @@ def lasting(points: Sequence[Point], goal: float, which: str = "final") -> list[
     return [point for point, size in good if size <= goal]
 
 
-def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:
-    """Numbers of steps from `fewest` to `most`, each twice the previous one, that land on the reference's times.
+def step_counts(problem: Problem, most: int = MOST) -> tuple[int, ...]:
+    """Numbers of steps from FEWEST to `most`, each twice the previous one, that land on the reference's times.
 
     They are multiples of the common denominator of tᵢ/t. If that is above LARGEST_UNIT they land on t, and on those
     other times that happen to be whole numbers of steps.
     """
     unit = lcm(*((t / problem.t).denominator for t in problem.reference.times))
     unit = unit if unit <= LARGEST_UNIT else 1
-    first = unit * -(-fewest // unit)
+    first = unit * -(-FEWEST // unit)
     doubled = (first << i for i in range(most.bit_length()))
     return tuple(steps for steps in doubled if steps <= most)
-
-
-def curves(
-    problem: Problem, keys: Iterable[str], steps: Sequence[int] | None = None, *, compiled: bool = False
-) -> list[Curve]:
-    """The curve of each method, given by name or TOML file; errors and evaluations only. Raises ValueError.
-
-    `steps` rise; by default they are the `step_counts` of the problem. A method that does not apply has a curve without
-    points, which says why. `compiled` runs by numba, if it is installed: the same numbers, sooner for many steps.
-    """
-    return [curve_of(method_of(key), problem, steps, compiled=compiled) for key in keys]
 
 
 def curve_of(
     method: Entry, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, most: float = inf
 ) -> Curve:
-    """The curve of one method. A run that should take more than `most` evaluations is not made, see `measure_curve`."""
+    """The errors and evaluations of one method, a point for each number of steps. Raises ValueError.
+
+    `steps` rise; by default they are the `step_counts` of the problem. A method that does not apply has a curve without
+    points, which says why. `compiled` runs by numba, if it is installed: the same numbers, sooner for many steps. A run
+    that should take more than `most` evaluations is not made, see `measure_curve`.
+    """
     claim = (method.key, method.title, method.claimed_order)
     weights = isinstance(method, RungeKutta) and abs(sum(map(float, method.b)) - 1) > INCONSISTENT
     try:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from driftproof.methods.catalogue import Entry, FactsOnly
-from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
+from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
@@ -71,14 +71,14 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
 
     def run(steps: int) -> CountedRun:
         best = advance(method, problem, compiled=fast and method.explicit)
-        states, y, (h, _) = dict[Fraction, State](), start, step_times(problem.t, steps)
+        states, y, h = dict[Fraction, State](), start, float_step(problem.t, steps)
         stops = [(Fraction(0), 0), *steps_at_known_times(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = best(y, h, first, last)
         return CountedRun(states, evaluations_of(best, method, problem, steps))
 
     def call(run: Advance, steps: int) -> Callable[[], State]:
-        return partial(run, start, step_times(problem.t, steps).h, 0, steps)
+        return partial(run, start, float_step(problem.t, steps), 0, steps)
 
     calls: dict[str, TimedCall] = {kind: partial(call, run) for kind, run in runs.items()}
     absent = {}
@@ -109,12 +109,12 @@ def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str
         compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
         run = compiled(method, problem.field)
     elif method.explicit:
-        run = _on_arrays(array_runner(method, problem.field, np))
+        run = _on_arrays(array_runner(method, problem.field))
     else:
         return "implicit methods are only timed compiled"
 
     def call(steps: int) -> Callable[[], State]:
-        y, h = np.empty((len(start), MEMBERS)), step_times(problem.t, steps).h
+        y, h = np.empty((len(start), MEMBERS)), float_step(problem.t, steps)
 
         def integrate() -> State:
             y[:] = start

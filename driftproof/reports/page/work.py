@@ -11,7 +11,7 @@ from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.work_precision.curves import Curve, Point, curves, lasting
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, lasting
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
@@ -35,11 +35,9 @@ def work_curves(scene: Scene) -> list[Curve]:
     """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
         raise ValueError(f"scene {scene.name!r}: comparing work needs t > 0")
-    problem, found = problem_of(scene), list[Curve]()
-    for key in scene.every_method:
-        counts = halved_and_doubled(scene.steps, FINEST if method_of(key).explicit else FINEST_IMPLICIT)
-        found += curves(problem, [key], counts)
-    return found
+    problem, methods = problem_of(scene), map(method_of, scene.every_method)
+    most = {True: FINEST, False: FINEST_IMPLICIT}
+    return [curve_of(each, problem, halved_and_doubled(scene.steps, most[each.explicit])) for each in methods]
 
 
 def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:

@@ -9,7 +9,7 @@ from itertools import pairwise
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import State, advance, float_start, step_times
+from driftproof.numeric.advance import State, advance, float_start, float_step
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits, largest_state_size
@@ -32,7 +32,7 @@ RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 def states(key: str, name: str, steps: int, pieces: int = 8, t: Q | None = None) -> list[State]:
     """The start and the states after each piece of a run to t; those up to where it ended."""
     problem = PROBLEMS[name]
-    run, y, h = advance(METHODS[key], problem), float_start(problem), step_times(t or problem.t, steps).h
+    run, y, h = advance(METHODS[key], problem), float_start(problem), float_step(t or problem.t, steps)
     found = [y]
     for first, last in pairwise(i * steps // pieces for i in range(pieces + 1)):
         try:
@@ -64,7 +64,7 @@ def energy_errors(key: str, name: str, steps: int, pieces: int = 8) -> list[floa
 def growth(key: str, name: str, steps: int, times: int = 1) -> float:
     """The largest size of a state over `times` times the interval, over the solution's; infinite where it ends."""
     problem = PROBLEMS[name]
-    seen = observe(advance(METHODS[key], problem), float_start(problem), step_times(problem.t, steps).h, times * steps)
+    seen = observe(advance(METHODS[key], problem), float_start(problem), float_step(problem.t, steps), times * steps)
     return math.inf if seen.failed_after is not None else seen.largest / largest_state_size(problem)
 
 

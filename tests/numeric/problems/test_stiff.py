@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
 from fractions import Fraction as Q
 
 import numpy as np
@@ -98,17 +96,6 @@ def test_the_jump_at_the_start_stays_if_r_tends_to_one_and_dies_out_if_not() -> 
 @pytest.mark.parametrize("key", ["backward_euler", "radau_iia2", "radau_iia3", "sdirk2", "gauss2"])
 def test_a_step_over_the_jump_is_refused_or_wrong(key: str) -> None:
     assert fate(key, "van_der_pol_1e6", 256, 0.1) in (ENDED, WRONG)
-
-
-@pytest.mark.parametrize("key", ["radau_iia3", "sdirk4", "dormand_prince54"])
-def test_steps_know_their_time_also_in_a_run_of_several_pieces(key: str) -> None:
-    """The equation of Prothero and Robinson reads t, and its solution is cos t; here less stiff, for all methods."""
-    problem = PROBLEMS["prothero_robinson"]
-    field = replace(problem.field, parameters=(("rate", Q(-2)),))
-    run, y = advance(METHODS[key], replace(problem, field=field)), float_start(problem)
-    for first, last in ((0, 50), (50, 51), (51, 160)):
-        y = run(y, 1 / 32, first, last)
-    assert abs(y[0] - math.cos(5)) < 1e-6 < 1e-2 < abs(y[0] - math.cos(5 + 1 / 32))
 
 
 def test_robertsons_reactions_are_right_at_short_first_steps_and_refused_at_long_ones() -> None:

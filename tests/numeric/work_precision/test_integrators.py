@@ -15,7 +15,7 @@ from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.reference_errors import errors
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import curves
+from driftproof.numeric.work_precision.curves import curve_of
 from driftproof.numeric.work_precision.integrators import COMPILED, KINDS, PYTHON, integrator
 from driftproof.reports.user_problem import problem_given
 
@@ -27,12 +27,12 @@ T = Q(10)
 )
 def test_evaluations_are_counted_on_the_program_that_runs(key: str, a_step: int) -> None:
     assert counted_evaluations(METHODS[key], HARMONIC, 100) == 100 * a_step
-    assert curves(HARMONIC, [key], [16])[0].points[0].evaluations == 16 * a_step
+    assert curve_of(METHODS[key], HARMONIC, [16]).points[0].evaluations == 16 * a_step
     assert counted_evaluations(METHODS[key], problem_named("kepler"), 7) == 7 * a_step
 
 
 def test_evaluations_of_an_implicit_method_are_the_calls_that_it_makes() -> None:
-    few, more = curves(HARMONIC, ["implicit_midpoint"], [64, 128])[0].points
+    few, more = curve_of(METHODS["implicit_midpoint"], HARMONIC, [64, 128]).points
     assert few.evaluations is not None
     assert more.evaluations is not None
     assert 64 < few.evaluations < more.evaluations

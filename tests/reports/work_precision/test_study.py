@@ -121,7 +121,7 @@ def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path, key):
 
 
 def test_a_timed_call_that_reaches_another_state_is_not_timed():
-    point = curves.curves(HARMONIC, ["rk4"], [16])[0].points[0]
+    point = curves.curve_of(METHODS["rk4"], HARMONIC, [16]).points[0]
     state = integrators.integrator(METHODS["rk4"], HARMONIC).calls["python"](16)
     assert state_remark(HARMONIC, point, state) == ""
     assert "its final state differs" in state_remark(HARMONIC, point, lambda: (state()[0] + 1e-9, state()[1]))
