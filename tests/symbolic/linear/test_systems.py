@@ -18,8 +18,8 @@ from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
-from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
-from driftproof.symbolic.linear.stability_limits import Limit
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
+from driftproof.symbolic.linear.stability_limits import ALWAYS, Bound, Limit
 from driftproof.symbolic.linear.systems import SystemFacts
 from tests.looping import some
 from tests.symbolic.linear.linear_examples import (
