@@ -41,7 +41,7 @@ from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.trees import rooted_trees
-from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
+from driftproof.symbolic.trees.algebraic_stability import is_algebraically_stable
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import order, order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.partitioned_trees import embedded_order
@@ -125,7 +125,7 @@ def stability() -> list[Subject]:
             Subject(f"A- and L-stability of {key}", cold_and_warm(properties(key), verdicts))
             for key in ("radau_iia3", "gauss10")
         ),
-        Subject(ALGEBRAIC, cold_and_warm(lambda: algebraic_stability(RADAU).holds)),
+        Subject(ALGEBRAIC, cold_and_warm(lambda: is_algebraically_stable(RADAU))),
         Subject(SSP_NAME, cold_and_warm(lambda: ssp_coefficient(SSP), digits)),
     ]
 
