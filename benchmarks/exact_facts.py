@@ -35,7 +35,7 @@ from driftproof.symbolic.algebra.radicals import root_decimal
 from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
+from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import imaginary_limit, real_limit
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
@@ -99,8 +99,6 @@ def trees_and_orders() -> list[Subject]:
 def r_of(method: Any) -> dict[str, Contestant]:
     """R(z), by the method's tableau or by its nodes; over a number field as it prints."""
     read = lambda r: rational_function(r.num.coeffs(), r.den.coeffs()) if isinstance(r.num, fmpq_poly) else str(r)
-    if hasattr(method, "node_polynomial"):
-        return cold_and_warm(lambda: stability_function_of_collocation(method.node_polynomial), read)
     return cold_and_warm(lambda: stability_function(method), read)
 
 

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from driftproof.methods.number_field import Exact, NumberField
+from driftproof.methods.number_field import NumberField
 from driftproof.methods.schemes import Collocation, RungeKutta, is_strictly_lower
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -20,7 +20,6 @@ from driftproof.symbolic.algebra.polynomials import (
     X,
     descend,
     dot,
-    evaluate,
     from_scalars,
     polynomial,
     scalar,
@@ -154,33 +153,18 @@ def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:
     return [[column.parts[i][0] for column in columns] for i in range(d)]
 
 
-def stability_function(method: RungeKutta) -> RationalFunction:
-    """R(z) = 1 + z bᵀ(I - zA)⁻¹1 in lowest terms (hairer-wanner-1996, IV.3)."""
+def stability_function(method: RungeKutta | Collocation) -> RationalFunction:
+    """R(z) = 1 + z bᵀ(I - zA)⁻¹1 in lowest terms (hairer-wanner-1996, IV.3).
+
+    It comes from the series 1 + Σ zᵏ⁺¹ bᵀAᵏ1, whose product with det(I - zA) ends at zˢ: a polynomial of degree at most
+    s for an explicit method, else P/Q with degrees at most s.
+    """
     return stability_function_by_moments(scalar_tableau(method))
 
 
 def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
-    """R(z) from the series 1 + Σ zᵏ⁺¹ bᵀAᵏ1, whose product with det(I - zA) ends at zˢ.
-
-    It is a polynomial of degree at most s for an explicit method, else P/Q with degrees at most s.
-    """
+    """R(z) of a tableau."""
     return data.times_denominator([ONE[0], *data.moments(data.power(0), data.stages)])
-
-
-def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) -> RationalFunction:
-    """R(z) = Σ M⁽ˢ⁻ʲ⁾(1) zʲ / Σ M⁽ˢ⁻ʲ⁾(0) zʲ for collocation at the roots of M (hairer-wanner-1996, IV.3).
-
-    M has degree s and is given by its coefficients, constant term first. Raises ValueError for a constant M.
-    """
-    nodes = polynomial(node_polynomial)
-    if nodes.degree() < 1:
-        raise ValueError("a collocation method has at least one node")
-    derivatives = [nodes]
-    for _ in range(nodes.degree()):
-        derivatives.append(derivatives[-1].derivative())
-    derivatives.reverse()
-    at_one, at_zero = (from_scalars([evaluate(p, fmpq(x)) for p in derivatives]) for x in (1, 0))
-    return fraction(at_one, at_zero)
 
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
