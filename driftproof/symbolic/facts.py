@@ -278,8 +278,6 @@ def order_within(method: str | Path | Method, tolerance: ExactNumber) -> OrderWi
     """
     method = method_of(method)
     tolerance = exact_number(tolerance, "tolerance")
-    if tolerance < 0:
-        raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
 
     def within(conditions: Conditions[Any]) -> int:
         return order_conditions.order_to_tolerance(conditions, tolerance)

@@ -176,10 +176,8 @@ def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalF
     """ψₖ(z) for k = `power` >= 1, with φ(t + h) - y₁ = Σₖ ψₖ(hλ) hᵏ φ⁽ᵏ⁾(t) on y' = λ(y - φ(t)) + φ'(t), y₀ = φ(t).
 
     ψₖ = (z bᵀ(I - zA)⁻¹(cᵏ/k - A cᵏ⁻¹) + 1/k - bᵀcᵏ⁻¹) / (k - 1)! (hairer-wanner-1996, IV.15). It vanishes for k up
-    to the stage order; a nonzero ψₖ with k <= order reduces the order on stiff problems. Raises ValueError for k < 1.
+    to the stage order; a nonzero ψₖ with k <= order reduces the order on stiff problems.
     """
-    if power < 1:
-        raise ValueError(f"power = {power}; the functions are numbered from 1")
     data = scalar_tableau(method)
     nodes = data.power(power - 1)
     defects = [x / power - dot(row, nodes) for x, row in zip(data.power(power), data.a, strict=True)]

@@ -147,10 +147,8 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
     """The largest p with |Φ(t) - 1/γ(t)| <= `tolerance` for every tree of at most p vertices: this is not the order.
 
     It is at most `limit` and `conditions.bound`: beyond the highest order that the stages allow, residuals are small
-    only because large trees have small weights. Raises TypeError for a float, ValueError for a negative tolerance.
+    only because large trees have small weights. Raises ValueError for a negative tolerance.
     """
-    if isinstance(tolerance, bool) or not isinstance(tolerance, Fraction | int):
-        raise TypeError(f"tolerance {tolerance!r} is a {type(tolerance).__name__}; it must be a Fraction")
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
     highest = min(limit, conditions.bound)

@@ -110,19 +110,16 @@ FIELDS = {
 
 @pytest.mark.parametrize("key", FIELDS)
 def test_modified_equation_has_the_printed_differentials(key: str) -> None:
-    field = modified_equation(entry(key), 3)
-    assert {tree: field.coefficient(tree) for tree in FIELDS[key]} == FIELDS[key]
-    with pytest.raises(KeyError, match="ends at order 3; the tree has 4 vertices"):
-        field.coefficient(tall(4))
+    assert dict(modified_equation(entry(key), 3).items()) == FIELDS[key]
 
 
 @pytest.mark.parametrize("key", ["rk4", "heun3", "radau_iia3", "lobatto_iiic3"])
 def test_tall_trees_of_the_modified_equation_are_the_logarithm_of_r(key: str) -> None:
     """On y' = λy only they count: Σ b(tall) zⁿ = log R(z), so that R' = R (log R)'."""
     method = entry(key)
-    weights, field = method_series(method, 9), modified_equation(method, 9)
-    r = [Q(1), *(Q(str(weights.coefficient(tall(n)))) for n in range(1, 10))]
-    log_slope = [n * Q(str(field.coefficient(tall(n)))) for n in range(1, 10)]
+    weights, field = (dict(series(method, 9).items()) for series in (method_series, modified_equation))
+    r = [Q(1), *(Q(str(weights[tall(n)])) for n in range(1, 10))]
+    log_slope = [n * Q(str(field[tall(n)])) for n in range(1, 10)]
     assert [n * x for n, x in enumerate(r)][1:] == product(r, log_slope)
     assert log_slope[: order(method).order] == [1] + [0] * (order(method).order - 1)
 
