@@ -30,7 +30,7 @@ from driftproof.symbolic.derivation.one_step import (
     rational,
     trace,
 )
-from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, multipliers, stability_limit
+from driftproof.symbolic.derivation.stability import AtStep, multipliers, stability_limit
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_limits import bounded_powers
 from driftproof.symbolic.runs import apply
@@ -39,7 +39,6 @@ from tests.symbolic.linear.test_stability_limits import POWERS
 
 SYMPLECTIC = one_step_matrix(NINE["symplectic_euler"])
 RK4 = one_step_matrix(NINE["rk4"])
-ENDPOINT = 2 * sympy.sqrt(2)
 
 
 def bounded_at(m: DomainMatrix, x: float) -> bool:
@@ -88,21 +87,6 @@ def test_limit_of_a_matrix_built_on_purpose(name: str) -> None:
 
 
 THIRD = rational(Q(1, 3))
-TOUCHING = matrix([[0, 1 - H * (H - 1) ** 2 / 4], [-1, 0]])  # its determinant touches 1 and returns
-S = H * (1 - H) * (2 - H) / 4
-TOUCHING_TWICE = matrix([[1 - S**2, S], [-S, 1]])  # the identity where S = 0
-
-
-def test_determinant_that_touches_one_is_no_limit() -> None:
-    limit = stability_limit(TOUCHING)
-    assert AtStep(TOUCHING, sympy.Integer(1)).determinant == 1
-    assert expression(determinant(TOUCHING)).subs(sympy.Symbol("h"), limit).equals(-1)
-
-
-def test_limit_without_radicals_is_a_root_of_its_polynomial() -> None:
-    limit = stability_limit(over_sympy(POWERS["a boundary without radicals"][0]))
-    assert isinstance(limit, sympy.CRootOf)
-    assert sympy.minimal_polynomial(limit, LAMBDA) == LAMBDA**5 - LAMBDA - 3
 
 
 @pytest.mark.slow(keep=1)
@@ -114,11 +98,6 @@ def test_limit_with_long_coefficients_is_found_without_a_list_of_all_roots(
     limit, expected = stability_limit(one_step_matrix(METHODS[key])), bounded_powers(oscillator_matrix(METHODS[key]))
     assert isinstance(expected.limit, RealRoot)
     assert enclose_expression(limit).overlaps(expected.limit.ball())
-
-
-def test_limit_passes_each_touch_in_turn() -> None:
-    assert stability_limit(TOUCHING_TWICE).evalf() > 2
-    assert all(AtStep(TOUCHING_TWICE, sympy.Integer(touch)).matrix == sympy.eye(2) for touch in (1, 2))
 
 
 @pytest.mark.slow
