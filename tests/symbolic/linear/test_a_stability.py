@@ -40,7 +40,7 @@ from driftproof.symbolic.linear.a_stability import (
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
 from driftproof.texts.writing.records import record
-from tests.symbolic.linear.linear_examples import ROOT_2, Z, pade, sdirk
+from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk
 
 PADE = [(j, k) for j in range(7) for k in range(7)]
 
