@@ -22,15 +22,12 @@ from driftproof.symbolic.derivation.one_step import (
     FRACTION_FIELD,
     RING,
     H,
-    determinant,
-    expression,
     matrix,
     matrix_at,
     one_step_matrix,
     rational,
-    trace,
 )
-from driftproof.symbolic.derivation.stability import AtStep, multipliers, stability_limit
+from driftproof.symbolic.derivation.stability import AtStep, stability_limit
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_limits import bounded_powers
 from driftproof.symbolic.runs import apply
@@ -63,11 +60,6 @@ def test_rk4_is_bounded_below_the_double_next_to_two_root_two_and_not_above() ->
     assert verdicts == sorted(verdicts, reverse=True)
     assert len(set(verdicts)) == 2
     assert Q(double) ** 2 != 8
-
-
-@pytest.mark.parametrize("ulps", range(-3, 4))
-def test_symplectic_euler_is_bounded_at_doubles_below_two_only(ulps: int) -> None:
-    assert bounded_at(SYMPLECTIC, strategies.step_by_ulps(2.0, ulps)) == (ulps < 0)
 
 
 def over_sympy(m: StepMatrix) -> DomainMatrix:
@@ -143,12 +135,3 @@ JORDAN = [
 def test_jordan_blocks_matter_on_the_unit_circle_only(m: DomainMatrix, jordan: bool, bounded: bool) -> None:
     at = AtStep(m, sympy.Integer(1))
     assert (at.jordan_block, at.bounded) == (jordan, bounded)
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_multipliers_are_the_two_roots(key: str) -> None:
-    m = one_step_matrix(NINE[key])
-    first, second = multipliers(m)
-    assert sympy.expand(first + second - expression(trace(m))) == 0
-    assert sympy.expand(first * second - expression(determinant(m))) == 0
-    assert sympy.expand(first - second) != 0

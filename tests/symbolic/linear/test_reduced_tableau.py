@@ -26,7 +26,6 @@ from driftproof.symbolic.linear.reduced_tableau import (
     symplectic_residuals,
 )
 from driftproof.symbolic.linear.stability_function import stability_function
-from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
 from driftproof.symbolic.trees.modified_equation import method_series
 from tests.changes import coefficients, moved
 from tests.methods.tables.entries import entry
@@ -46,7 +45,6 @@ from tests.symbolic.linear.linear_examples import (
     TRAPEZOID,
     runge_kutta,
 )
-from tests.witnesses.b_series import symplectic_to_order
 
 EXAMPLES = {
     "gauss2": (GAUSS_2, True, True), "midpoint": (MIDPOINT, True, True), "trapezoid": (TRAPEZOID, False, True),
@@ -131,14 +129,6 @@ def test_symmetry_does_not_depend_on_the_order_of_the_stages() -> None:
     shuffled = runge_kutta([[method.a[i][j] for j in turn] for i in turn], [method.b[i] for i in turn])
     assert is_symmetric(shuffled)
     assert not is_symmetric(runge_kutta(shuffled.a, method.b))
-
-
-def test_reducible_tableau_is_judged_by_what_it_does() -> None:
-    """Lobatto IIIB with two stages calls f twice at the midpoint: as given M is not 0, and yet it is symplectic."""
-    method = entry("lobatto_iiib2")
-    assert any(x for row in quadratic_matrix(method) for x in row)
-    assert is_symplectic(method)
-    assert symplectic_to_order(method_series(method, 8)) == 8
 
 
 @given(strategies.runge_kutta_methods(max_stages=3), st.permutations(range(3)))
