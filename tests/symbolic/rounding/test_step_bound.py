@@ -9,8 +9,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
@@ -20,14 +18,13 @@ from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT
 from driftproof.symbolic.algebra.polynomials import X
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
+from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import RefusedOperation
 from driftproof.symbolic.rounding.polynomials import ONE, H, constant_polynomial
 from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound
-from driftproof.symbolic.runs import apply
 from tests.changes import coefficients, first_weight, moved
 from tests.nine import NINE
-from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, as_step, error_in_balls, matrix_at
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, as_step, error_in_balls
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import NATIVE, soft_lift
 from tests.witnesses.worst_case import (
@@ -205,49 +202,6 @@ def test_no_state_of_a_coarse_format_leaves_the_bound(step, fusing):
         outside += not all_within(errors, at(h)._replace(underflow=(Q(0), Q(0))).of(q, v))
     assert checked > 1000
     assert outside > 0
-
-
-def numbers_of(fmt: FloatFormat) -> st.SearchStrategy[Q]:
-    """Finite numbers of the format, at every exponent, the subnormals included."""
-    significands = st.integers(-(2**fmt.precision) + 1, 2**fmt.precision - 1)
-    scale = fmt.precision - 1
-    exponents = st.integers(fmt.emin - scale, fmt.emax - scale) | st.integers(-scale - 4, -scale + 4)
-    edges = [Q(0), fmt.eta, -fmt.eta, power_of_two(fmt.emin), fmt.largest, Q(1), 1 + 2 * fmt.u, 1 - fmt.u]
-    return st.builds(lambda n, e: n * power_of_two(e), significands, exponents) | st.sampled_from(edges)
-
-
-def on_the_machine(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
-    """The results of one float step, or none after an overflow."""
-    dtype = NATIVE[fmt]
-    with np.errstate(all="ignore"):
-        results = in_floats(key)(oscillator, dtype(float(q)), dtype(float(v)), dtype(float(h)))
-    assert [type(x) for x in results] == [dtype, dtype]
-    return [Q(float(x)) for x in results] if all(np.isfinite(x) for x in results) else []
-
-
-def emulated(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
-    """The same for a format that the machine does not have."""
-    lift = soft_lift(fmt)
-    try:
-        return [x.value for x in as_step(PROGRAMS[key], lift)(oscillator, lift(q), lift(v), lift(h))]
-    except OverflowError:
-        return []
-
-
-@pytest.mark.slow(keep=1)
-@FORMATS
-@pytest.mark.parametrize("key", PROGRAMS)
-@settings(max_examples=40)
-@given(data=st.data())
-def test_a_float_step_is_within_its_bound_at_every_scale(key, fmt, data):
-    """Exactly, in fractions; on the machine's own floats where it has the format, else on emulated ones."""
-    h, q, v = (data.draw(numbers_of(fmt), label=name) for name in "hqv")
-    bound = bound_of(key, fmt)
-    floats = (on_the_machine if fmt in NATIVE else emulated)(key, fmt, h, q, v)
-    assert floats or not bound.is_safe(h, q, v)
-    assume(floats)
-    exact = apply(matrix_at(bound, h), q, v)
-    assert all_within([abs(x - y) for x, y in zip(floats, exact, strict=True)], bound.error_of(h, q, v))
 
 
 @NATIVE_FORMATS
