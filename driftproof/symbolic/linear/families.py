@@ -191,14 +191,9 @@ def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) 
     imaginary axis on which each pole lies, as A-, I- and L-stability do. None of these changes between critical values,
     so one rational value decides each interval; the critical values are decided in their number fields.
     """
-    line = Line.cut(family, critical_polynomials(family))
-    return line.where(lambda value: decide(stability_function(family.member(value))))
-
-
-def critical_polynomials(family: Family) -> list[Polynomial]:
-    """Polynomials in the parameter, one of which vanishes wherever a property named in `parameter_set` can change."""
     r = family_stability(family)
-    return critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den))
+    line = Line.cut(family, critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den)))
+    return line.where(lambda value: decide(stability_function(family.member(value))))
 
 
 def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivariate, Bivariate]) -> list[Polynomial]:
