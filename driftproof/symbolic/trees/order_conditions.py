@@ -20,7 +20,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     RingElement,
     Scalars,
     StageAlgebra,
-    TableauStages,
     TreeMethod,
     distinct_nodes,
     stage_algebra,
@@ -126,9 +125,7 @@ def collocation_order(nodes: Sequence[Exact]) -> OrderFact[Tree]:
 
 def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
     """The order conditions of a method; exact, whatever `scalars`, if it is given by a node polynomial."""
-    if scalars is EXACT or isinstance(method, Collocation):
-        return RungeKuttaConditions(stage_algebra(method))
-    return RungeKuttaConditions(TableauStages(method.a, method.b, scalars))
+    return RungeKuttaConditions(stage_algebra(method, scalars))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
