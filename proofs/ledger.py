@@ -6,11 +6,13 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from driftproof.support.plain_text import as_json, table
 from proofs.claims import EVIDENCE, HOW_TO_ADD, required_claims
 from proofs.kernel.certificates import technique
+from proofs.sentences import line_of_claim
 
 NOT_RUN = "not run"
 ROUNDING = "half-even"
@@ -113,6 +115,8 @@ class Ledger:
             "# Ledger",
             "",
             "What each statement of the lesson is worth. Written by `pytest proofs/` when every proof passes.",
+            "A statement is in the words of its proof; that they say what the line of the lesson says is for people to",
+            "read. Where the lesson lies beside a checkout, `pytest proofs/` names the lines that have changed since.",
             "Coq: how its kernel accepts the claim, or a part of it, - where it does not; see "
             "[docs/kernel.md](../docs/kernel.md).",
             "",
@@ -129,11 +133,13 @@ class Ledger:
         return "\n".join(lines) + "\n"
 
     def _rows(self, claims: Iterable[str]) -> list[str]:
-        lines = ["| claim | statement | evidence | technique | Coq |", "|---|---|---|---|---|"]
+        lines = ["| claim | line | statement | evidence | technique | proof | Coq |", "|---|---|---|---|---|---|---|"]
         for claim in claims:
             entry = self.entries[claim]
-            statement = entry.statement.replace("|", "\\|")
-            lines.append(f"| {claim} | {statement} | {entry.evidence} | {entry.technique} | {technique(claim)} |")
+            file = Path(entry.test.partition("::")[0]).name
+            proof = f"[{file.removeprefix('test_').removesuffix('.py')}]({file})"
+            cells = (claim, str(line_of_claim(claim) or "-"), entry.statement.replace("|", "\\|"), entry.evidence)
+            lines.append(f"| {' | '.join((*cells, entry.technique, proof, technique(claim)))} |")
         return lines
 
     def values(self) -> str:

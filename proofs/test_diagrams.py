@@ -126,7 +126,7 @@ def test_default_diagram_compares_forty_one_samples_with_the_cosine() -> None:
 
 @claim("L101", evidence=COUNTED, by="largest sample bounded")
 def test_vertical_scale_follows_the_results() -> None:
-    """In our drawings the q axis ends between 21/20 and 7/5 of the largest |q| of the exact run: it follows."""
+    """In our drawings the q axis ends between 21/20 and 7/5 of the largest |qₙ| of the run: it follows."""
     for name, key in EVERY:
         largest = max(abs(q) for q, _ in exact_samples(name, key))
         end = reach(drawn(name, key)[0].plot)
@@ -248,7 +248,7 @@ def unit(text: str) -> Q:
 
 @claim("L149", evidence=COUNTED, by="all samples inside")
 def test_each_diagram_rescales_to_include_its_trajectory() -> None:
-    """Every exact sample lies inside the axes of both our diagrams, which end within 7/5 of what they have to show."""
+    """Every (qₙ, vₙ) lies inside the axes of both our diagrams, which end within 7/5 of what they have to show."""
     for name, key in EVERY:
         over_time, plane = (reach(figure.plot) for figure in drawn(name, key))
         qs, vs = zip(*exact_samples(name, key), strict=True)

@@ -67,17 +67,24 @@ def test_forward_euler_energy_multiplier_eq_one_add_h_sq() -> None:
     assert energy_multiplier(M(RK4)) != 1 + H**2
 
 
-@claim("L010", "L037", "L123", evidence=RESTRICTED, by="visible sign h²E")
+@claim("L037", evidence=PROVED, by="visible sign h²E")
 def test_forward_euler_energy_grows_of_nonzero_state() -> None:
-    """Each forward Euler step with h > 0 adds the energy h²E, which is positive unless the state is the origin.
-
-    Needed: a nonzero state, for at the origin nothing grows.
+    """Each forward Euler step with h > 0 adds the energy h²E, which is positive for every state but the origin.
 
     In floats a tiny step adds nothing at all: see `test_agreement`.
     """
     gain = E(*step_of(EULER)) - E(q, v)
     assert gain == h**2 * E(q, v)
     assert E(q, v) == (q**2 + v**2) / 2  # a sum of squares: positive unless both vanish
+
+
+@claim("L010", "L123", evidence=RESTRICTED, by="visible sign h²E")
+def test_forward_euler_energy_grows_but_not_at_the_origin() -> None:
+    """Each forward Euler step with h > 0 adds the energy h²E, which is positive unless the state is the origin.
+
+    Needed: a nonzero state, for at the origin nothing grows.
+    """
+    assert E(*step_of(EULER)) - E(q, v) == h**2 * (q**2 + v**2) / 2
     assert energy(*state_after(EULER, 1, FIRST_H, (Q(0), Q(0)))) == 0
 
 

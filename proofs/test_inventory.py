@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
 
@@ -12,8 +11,7 @@ from driftproof.symbolic.algebra.certified import CertifiableReal, significant
 from proofs.claims import HOW_TO_ADD, NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
 from proofs.ledger import Entry, Ledger
 from proofs.printed import ROWS
-
-LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
+from proofs.sentences import INVENTORY as LESSON
 
 
 def test_statements_are_required_or_not_verifiable() -> None:
@@ -85,7 +83,8 @@ def test_new_claim_needs_its_proof_alone_and_one_that_is_missing_says_what_to_do
     for entry in proofs:
         ledger.record(entry.test, "passed")
     assert ledger.complete
-    assert "| L250 | a statement |" in ledger.markdown()
+    assert "| L250 | - | a statement | PROVED | how | [L250](L250) | - |" in ledger.markdown()
+    assert "| L037 | 44 | a statement |" in ledger.markdown()
     assert "229 claims: 229 PROVED; 2 about the toolkit" in ledger.totals()
     ledger.add([], [Entry("L252", "L252", "a statement", "PROVED", "how")])
     assert not ledger.complete

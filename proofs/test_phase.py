@@ -18,8 +18,21 @@ from driftproof.symbolic.algebra.certified import certified_sign, fixed
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
+from driftproof.symbolic.derivation.stability import AtStep
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
-from proofs.setting import DEFAULT_H, EULER, RK4, START, SYMPLECTIC, M, Real, counted_evaluations, energy, run
+from proofs.setting import (
+    DEFAULT_H,
+    EULER,
+    RK4,
+    START,
+    SYMPLECTIC,
+    M,
+    Real,
+    counted_evaluations,
+    energy,
+    run,
+    state_after,
+)
 
 _, q, v, x, y = ring("q, v, x, y", QQ)
 QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
@@ -232,7 +245,26 @@ def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
     publish("quarter_cycle.state_error", f"√{squared}", square_root(int(squared)))
 
 
-@claim("L003", "L007", evidence=PROVED, by="pairs alike in one")
+@claim("L003", evidence=PROVED, by="pairs alike in one")
+def test_stability_is_read_apart_from_drift_phase_and_cost() -> None:
+    """Stability does not follow from energy drift, phase error or cost, nor do these from it: it is read apart.
+
+    From (1, 1) symplectic Euler is back there at t = 12 with h = 1 and with h = 2, alike in every error; both Euler
+    methods cost the same; symplectic Euler and RK4 are both bounded at h = 1/2 and differ in all three.
+    """
+    bounded = lambda key, step: AtStep(M(key), sympy.Rational(step)).bounded
+    ends = [state_after(SYMPLECTIC, n, Q(step), (Q(1), Q(1))) for n, step in ((12, 1), (6, 2))]
+    assert ends == [(1, 1)] * 2
+    assert (bounded(SYMPLECTIC, 1), bounded(SYMPLECTIC, 2)) == (True, False)
+    assert counted_evaluations(EULER, Q(1, 2)) == counted_evaluations(SYMPLECTIC, Q(1, 2))
+    assert (bounded(EULER, Q(1, 2)), bounded(SYMPLECTIC, Q(1, 2)), bounded(RK4, Q(1, 2))) == (False, True, True)
+    one, other = run(SYMPLECTIC, Q(1, 2)), run(RK4, Q(1, 2))
+    assert one.energy_change != other.energy_change
+    assert Real(one.phase_error) > Real(other.phase_error)
+    assert counted_evaluations(RK4, Q(1, 2)) != counted_evaluations(SYMPLECTIC, Q(1, 2))
+
+
+@claim("L007", evidence=PROVED, by="pairs alike in one")
 def test_four_quantities_are_read_apart() -> None:
     """State error, energy error, phase error and cost are four readouts: no one of them determines another.
 

@@ -6,6 +6,7 @@ import random
 from collections.abc import Callable
 from fractions import Fraction as Q
 
+import numpy as np
 import pytest
 import sympy
 from flint import arb
@@ -122,6 +123,9 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     found = enclose(Q(float(readouts.state_error(state, flow))))
     assert not abs(found - true_error) > 2 * near_flow + 8 * enclose(U) * found + enclose(4 * ETA)
     phase = readouts.phase_error(state, flow)
+    for read in (readouts.state_error, readouts.phase_error, readouts.float_energy_change):  # arrays, too
+        alone, both = read(state, flow), read(*(tuple(np.array([x, x]) for x in z) for z in (state, flow))).tolist()
+        assert both == [alone, alone] or (alone is None and str(both) == "[nan, nan]")
     if phase is None:
         assert state == (0, 0) or flow == (0, 0)
         return

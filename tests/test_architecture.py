@@ -67,11 +67,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1279,
     "methods": 5554,
-    "symbolic": 10976,
+    "symbolic": 10981,
     "numeric": 4456,
-    "blackbox": 22528,
-    "enclosure": 5449,
-    "texts": 10959,
+    "blackbox": 22002,
+    "enclosure": 5451,
+    "texts": 10961,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6068
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 Tried = TypeVar("Tried")
 Taken = TypeVar("Taken")
 
 
 class Misbehaviour(Exception):
-    """A step without a usable answer. `kind` is one word for the failure; the message says what was seen."""
+    """A step without a usable answer. `kind` is its name in small letters; the message says what was seen."""
 
-    kind = "misbehaviour"
+    kind: ClassVar[str] = "misbehaviour"
+
+    def __init_subclass__(cls) -> None:
+        """Set the kind, unless the class has a word of its own."""
+        cls.kind = vars(cls).get("kind", re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower())
 
     @property
     def word(self) -> str:
@@ -30,49 +35,33 @@ class StepRaised(Misbehaviour):
 class WrongShape(Misbehaviour):
     """The answer does not hold as many numbers as went in."""
 
-    kind = "wrong_shape"
-
 
 class PositionsAlone(WrongShape):
     """A run returns its positions without velocities."""
-
-    kind = "positions_alone"
 
 
 class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 
-    kind = "not_a_number"
-
 
 class Increment(Misbehaviour):
     """The answer is the increment y1 - y instead of y1."""
-
-    kind = "increment"
 
 
 class Exchanged(Misbehaviour):
     """The step takes (q, v) and returns (v1, q1)."""
 
-    kind = "exchanged"
-
 
 class StaleSlope(Misbehaviour):
     """The slope, or the time, that a step hands on to the next one is not that at its end."""
-
-    kind = "stale_slope"
 
 
 class OwnClock(Misbehaviour):
     """A step begins with what it keeps, such as the time of a clock, and no argument sets it."""
 
-    kind = "own_clock"
-
 
 class NotFinite(Misbehaviour):
     """The answer to finite arguments is NaN or infinite. `answer` holds the numbers returned."""
-
-    kind = "not_finite"
 
     def __init__(self, seen: str, answer: tuple[Any, ...]) -> None:
         """Keep what was seen, in words and in numbers."""

@@ -15,12 +15,12 @@ from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NotOnOwnSystem
-from driftproof.blackbox.matching.candidates import EXCHANGED, OTHER_KIND
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Splitting
+from driftproof.symbolic.known_methods import EXCHANGED, turned_over
 
 
 @dataclass(frozen=True)
@@ -211,15 +211,14 @@ class Refutation:
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
         if isinstance(self.seen.method, Splitting) and verdict in {f"it is {name}" for name in self.naming.methods}:
-            turned = tuple((OTHER_KIND[kind], x) for kind, x in self.seen.method.parts)
-            same = getattr(METHODS[self.naming.methods[0]], "parts", ()) == turned
+            exchanged = dict(turned_over(self.seen.method))[EXCHANGED].parts
+            same = getattr(METHODS[self.naming.methods[0]], "parts", ()) == exchanged
             verdict += f", which is {key} with {EXCHANGED}" * same
         return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
 
     @property
     def _faults(self) -> Sequence[str]:
-        """The faults that may be why it is no known method, overflow as the least of them last; or its linear order."""
-        section, linear = self.instead.section("Faults"), self.instead.section("One-step matrix")
-        found = [line for line in (section.lines if section else ()) if not line.startswith(DIVIDES)]
-        found.sort(key=lambda line: line.startswith("overflows from"))
-        return found or [line for line in (linear.lines if linear and section else ()) if "linear order" in line]
+        """The faults that may be why it is no known method, overflow as the least of them last."""
+        section = self.instead.section("Faults")
+        found = (line for line in (section.lines if section else ()) if not line.startswith(DIVIDES))
+        return sorted(found, key=lambda line: line.startswith("overflows from"))

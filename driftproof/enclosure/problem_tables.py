@@ -51,6 +51,8 @@ def problem_table(table: TomlTable) -> ProblemTable:
 
     `function`, "module:f" or a Python function, is run once on symbols; it gets the parameters as keywords, as doubles.
     """
+    if "family" in table:
+        raise ValueError("it is a method, not a problem; methods are compared by --methods FILE on a problem")
     require_keys(table, PROBLEM_KEYS, "a problem")
     start = _start(table)
     return ProblemTable(_field(table, start), start, _energy(table), unknowns_of_table(table))

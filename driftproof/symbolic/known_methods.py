@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from itertools import chain
 from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FACTS_ONLY, METHODS, Entry
@@ -22,7 +21,9 @@ from driftproof.symbolic.linear.reduced_tableau import matchings, reduced_stages
 from driftproof.symbolic.trees.order_conditions import simplifying_assumptions
 
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
-_FEW_DIFFERENCES = 3
+# Two exchanged weights and a wrong node of theirs are three. Three that are all of A say nothing of the method.
+FEW_DIFFERENCES = 3
+ADJOINT, EXCHANGED = "its adjoint", "kicks and drifts exchanged"
 # Chosen: of more methods with one stability function, as all of three explicit stages and order 3, some are named.
 _MOST_NAMED = 4
 # Chosen: longer fractions are shown as decimals, if these are shorter.
@@ -44,7 +45,6 @@ def known_as(method: Entry) -> KnownAs:
     Coefficients are compared exactly; finite decimals also with what may have been rounded to them.
 
     >>> from dataclasses import replace
-    >>> from dataclasses import replace
     >>> from fractions import Fraction
     >>> from driftproof import METHODS
     >>> from driftproof.symbolic.known_methods import known_as
@@ -60,14 +60,10 @@ def known_as(method: Entry) -> KnownAs:
         return KnownAs(f"{steps[0]}: the same steps, written with other stages", (steps[0],))
     if near:
         fewest = min(len(found) for _, found in near)
-        by_difference: dict[tuple[str, ...], list[str]] = {}
-        for key, found in near:
-            if len(found) == fewest:
-                by_difference.setdefault(found, []).append(key)
-        words = (f"{' or '.join(keys)} except for {'; '.join(found)}" for found, keys in by_difference.items())
-        return KnownAs("; or ".join(words), (), tuple(chain(*by_difference.values())), next(iter(by_difference)))
-    for change, turned in _turned(method):
-        if same := _same(turned):
+        near = [each for each in near if len(each[1]) == fewest]
+        return KnownAs("; or ".join(except_for(near)), (), tuple(key for key, _ in near), near[0][1])
+    for change, other in turned_over(method):
+        if same := _same(other):
             return KnownAs(f"{same.words}, {change}", same.methods)
     alike = [*_alike_on_the_oscillator(method)]
     if not alike:
@@ -171,12 +167,24 @@ def _beside(method: Any, known: Any) -> str:
     return "" if mine == its else ", with embedded weights beside it" if mine else ", without its embedded weights"
 
 
+def except_for(near: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
+    """The methods with what they differ in, in words, those of the same differences together."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for key, differences in near:
+        found.setdefault(tuple(differences), []).append(key)
+    return [f"{' or '.join(keys)} except for {'; '.join(differences)}" for differences, keys in found.items()]
+
+
+def are_few(differing: Sequence[str], numbers: int, of_a: int) -> bool:
+    """True if so few of the `numbers` of a method differ, of which `of_a` are those of A, that it may be the method."""
+    wrong = sum(name.startswith("a[") for name in differing)
+    return len(differing) <= min(FEW_DIFFERENCES, max(1, numbers // 3)) and not 2 < wrong >= of_a
+
+
 def _is_few(method: Any, known: Any, differences: list[str]) -> bool:
-    """True if so few coefficients differ that this may be the method; three that are all of A say nothing of it."""
     mine, its = _numbers(method), _numbers(known)
     counted = [name for name in mine if mine[name] or its.get(name)]
-    of_a, all_of_a = (sum(name.startswith("a[") for name in names) for names in (differences, counted))
-    return len(differences) <= min(_FEW_DIFFERENCES, max(1, len(counted) // 3)) and not 2 < of_a >= all_of_a
+    return are_few(differences, len(counted), sum(name.startswith("a[") for name in counted))
 
 
 def _steps_alike(method: Any, known: Any) -> bool:
@@ -184,9 +192,7 @@ def _steps_alike(method: Any, known: Any) -> bool:
     if isinstance(method, Collocation) != isinstance(known, Collocation):
         table, nodes = (known, method) if isinstance(method, Collocation) else (method, known)
         return isinstance(table, RungeKutta) and _collocates(table, nodes)
-    if not isinstance(method, RungeKutta | Nystrom) or (
-        isinstance(method, RungeKutta) and not _have_row_sums(method, known)
-    ):
+    if not (isinstance(method, Nystrom) or (isinstance(method, RungeKutta) and _have_row_sums(method, known))):
         return False
     mine, its = reduced_stages_of(method), reduced_stages_of(known)
     return len(mine.a) == len(its.a) and next(matchings(mine, its), None) is not None
@@ -200,23 +206,22 @@ def _collocates(table: RungeKutta, known: Collocation) -> bool:
     """True if the table is that of collocation: its c are the nodes, and B(s) and C(s) then leave one A and one b."""
     if len(table.b) != known.stages or len({*map(float, table.c)}) < known.stages:
         return False
-    at_nodes = [total(x * c**k for k, x in enumerate(known.node_polynomial)) for c in table.c]
-    if any(at_nodes):
+    if any(total(x * c**k for k, x in enumerate(known.node_polynomial)) for c in table.c):
         return False
     found = simplifying_assumptions(table)
     return found.b >= known.stages and (found.c is None or found.c >= known.stages)
 
 
-def _turned(method: Any) -> Iterator[tuple[str, Any]]:
+def turned_over(method: Any) -> Iterator[tuple[str, Any]]:
     """A splitting in reverse, with kicks for drifts, and both, a multistep method newest first; what they are of it."""
     if isinstance(method, Multistep) and method.rho[0]:
         yield "with rho and sigma newest first", replace(method, rho=method.rho[::-1], sigma=method.sigma[::-1])
     if isinstance(method, Splitting):
         other = dict(zip(SUBSTEPS, reversed(SUBSTEPS), strict=True))
-        exchanged = tuple((other[kind], x) for kind, x in method.parts)
-        yield "its adjoint", replace(method, parts=method.parts[::-1])
-        yield "kicks and drifts exchanged", replace(method, parts=exchanged)
-        yield "its adjoint with kicks and drifts exchanged", replace(method, parts=exchanged[::-1])
+        exchanged = replace(method, parts=tuple((other[kind], x) for kind, x in method.parts))
+        yield ADJOINT, replace(method, parts=method.parts[::-1])
+        yield EXCHANGED, exchanged
+        yield f"{ADJOINT}, {EXCHANGED}", replace(method, parts=exchanged.parts[::-1])
 
 
 def _alike_on_the_oscillator(method: Entry) -> Iterator[Method]:

@@ -61,6 +61,7 @@ REFUSED = {
     "function is int, which cannot be called": {"start": [0], "function": "sys:maxsize"},
     "start has 2 entries, but the rates need 1": {"start": [1, 2], "rates": ["y0"]},
     r"start\[0\] is \[1\]; write a number": {"start": [[1]], "rates": ["y0"]},
+    "it is a method, not a problem": {"family": "runge_kutta", "A": [[0]], "b": [1]},
     "a problem has no key 'width'; its keys are rates": {"start": [1], "rates": ["y0"], "width": 2},
     r"'y0 \+', column 5": {"start": [1], "rates": ["y0 +"]},
 }

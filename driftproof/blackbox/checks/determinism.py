@@ -1,11 +1,6 @@
-"""Checks that the same call gives the same answer: noise, memory of earlier calls, copies, several states at once."""
+"""Checks that the same call gives the same answer: noise, memory of earlier calls, several states at once."""
 
 from __future__ import annotations
-
-import random
-from collections.abc import Callable
-from dataclasses import replace
-from types import FunctionType
 
 import numpy as np
 
@@ -15,6 +10,7 @@ from driftproof.blackbox.checks.trials import (
     ORDINARY_STATE,
     CheckResult,
     PhasePoint,
+    Trial,
     TrialRunner,
     same,
     steady_runner,
@@ -23,7 +19,6 @@ from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedC
 from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 # A last bit at random is the same in this many calls once in 128.
@@ -45,18 +40,24 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = TrialRunner(subject)
     at_once = [_fixed_call(runner) for _ in range(3)]
     after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
-    if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
-        again = first_call_again(subject)
-        if again.holds is False:
-            changing = CheckResult(SAME, False, f"its answers change from call to call: {again.words}")
-            return changing, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
+    answers: list[tuple[float, ...]] = [*at_once, *after]
+    alike = all(same(answer, at_once[0]) for answer in answers)
+    if not alike and same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
+        return _remembers(runner)
+    again = first_call_again(subject)
+    if again.holds is False:
+        return _varies(f"its answers change from call to call: {again.words}")
+    if alike:
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
             CheckResult(_MEMORY, True, "it does not remember earlier calls"),
         )
-    if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
-        return _remembers(runner)
-    return _varies(runner)
+    trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
+    answers += [trial.answer for trial in trials if trial.answer is not None]
+    spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
+    apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
+    example = tuple({trial.answer: trial for trial in trials}.values())[:2]
+    return _varies(f"the same call gives answers {apart}", example)
 
 
 def first_call_again(subject: ForeignStepper) -> StepFinding:
@@ -80,42 +81,15 @@ def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhaseP
 
 
 def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """The checks of a stepper whose answer depends on the call before, and perhaps on calls of its copies."""
+    """The checks of a stepper whose answer depends on the call before."""
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     repeated = CheckResult(SAME, True, "the same call gives the same bits after the same previous call")
-    found = repeated, CheckResult(_MEMORY, False, CALL_BEFORE, example)
-    other = _copy(runner)
-    if other is None:
-        return found
-    alone = _fixed_call(runner, ANOTHER)
-    runner.step(*ANOTHER, IRREGULAR_STEP)
-    other.step(*_THIRD, IRREGULAR_STEP)
-    own = same(_fixed_call(runner), alone)
-    return *found, CheckResult("own_memory", own, f"a second object {'has its own' if own else 'shares its'} memory")
+    return repeated, CheckResult(_MEMORY, False, CALL_BEFORE, example)
 
 
-def _copy(runner: TrialRunner) -> TrialRunner | None:
-    """The runner of a copy; None for a function, and if a copy cannot be made or is the same object."""
-    function = runner.subject.function
-    other = None if isinstance(function, FunctionType) else fresh_copy(function)
-    return None if other is None or other is function else TrialRunner(replace(runner.subject, function=other))
-
-
-def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """The checks of a stepper whose answers all differ: by random numbers, by its memory, or for no reason seen."""
-    trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
-    answers = [trial.answer for trial in trials if trial.answer is not None]
-    spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
-    apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
-    example = tuple({trial.answer: trial for trial in trials}.values())[:2]
-    if _draws(runner):
-        why = "it uses the random numbers of Python or NumPy"
-    elif _repeats_when(runner, _copy):
-        words = f"every call changes its internal state: the same call gives answers {apart}"
-        return CheckResult(SAME, False, words, example), CheckResult(_MEMORY, False, "it remembers every call", example)
-    else:
-        why = "noise, or a state kept outside the stepper"
-    varies = CheckResult(SAME, False, f"the same call gives answers {apart}: {why}", example)
+def _varies(words: str, example: tuple[Trial, ...] = ()) -> tuple[CheckResult, ...]:
+    """The checks of a stepper whose answers differ in no order of the calls."""
+    varies = CheckResult(SAME, False, words, example)
     return varies, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
 
 
@@ -125,27 +99,6 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
     if ulps <= _FEW_ULPS:
         return f"up to {max(1, ulps)} ulp"
     return f"up to {spread / max(map(abs, ORDINARY_STATE)):.1e} of their size"
-
-
-def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
-    """True if two series of the same calls agree, each begun from the same preparation."""
-    series = [[_fixed_call(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
-    return len(series) == 2 and all(map(same, *series))
-
-
-def _draws(runner: TrialRunner) -> bool:
-    """True if the answers come from the global random numbers of Python or NumPy, whose states are put back."""
-    pythons, numpys = random.getstate(), np.random.get_state()
-
-    def put_back(runner: TrialRunner) -> TrialRunner:
-        random.setstate(pythons)
-        np.random.set_state(numpys)
-        return runner
-
-    try:
-        return _repeats_when(runner, put_back)
-    finally:
-        put_back(runner)
 
 
 def _oscillates(runner: TrialRunner) -> bool:

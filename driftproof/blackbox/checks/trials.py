@@ -41,8 +41,6 @@ _TYPES: dict[FloatFormat, type[np.floating]] = {BINARY64: np.float64, BINARY32: 
 class Unsteady(Misbehaviour):
     """The same call gives different answers, so that no other check can be made."""
 
-    kind = "unsteady"
-
 
 @dataclass(frozen=True)
 class TrialRunner:

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
-from driftproof.blackbox.families.imex import read_imex
-from driftproof.blackbox.families.magnetic import Boris
+from driftproof.blackbox.families.imex import ImexIdentity, read_imex
+from driftproof.blackbox.families.magnetic import Boris, MagneticReading
 from driftproof.blackbox.families.magnetic_step import read_magnetic
-from driftproof.blackbox.families.multistep import ACROSS, VELOCITIES, read_multistep
+from driftproof.blackbox.families.multistep import ACROSS, VELOCITIES, MultistepReading, read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
-from driftproof.blackbox.families.quaternions import read_quaternion
-from driftproof.blackbox.families.rosenbrock import read_rosenbrock
+from driftproof.blackbox.families.quaternions import QuaternionReading, read_quaternion
+from driftproof.blackbox.families.rosenbrock import RosenbrockIdentity, read_rosenbrock
 from driftproof.blackbox.families.second_answers import ESTIMATE
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction, introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections, verification
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, criteria_parts, sections, verification
 from driftproof.blackbox.stepper.calling_conventions import FIELD, IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import Target
@@ -29,7 +29,6 @@ from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
-from driftproof.support.plain_text import Json
 
 # The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
@@ -39,34 +38,9 @@ _NEEDED: dict[type, str] = {
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
+# What was read of a stepper: the verdict, the evidence, and how it compares with a method.
+FamilyReading: TypeAlias = MultistepReading | RosenbrockIdentity | ImexIdentity | MagneticReading | QuaternionReading
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
-
-
-class FamilyReading(Protocol):
-    """What was read of a stepper: the verdict, the evidence, and how it compares with a method."""
-
-    @property
-    def verdict(self) -> str:
-        """The verdict in one line."""
-
-    @property
-    def key(self) -> str | None:
-        """The key of the method, if it is one without changes; else None."""
-
-    @property
-    def faults(self) -> list[str]:
-        """The faults, whatever method it is meant to be."""
-
-    @property
-    def parts(self) -> Sequence[tuple[str, Sequence[str]]]:
-        """The evidence: titles with lines."""
-
-    @property
-    def data(self) -> dict[str, Json]:
-        """The reading for programs."""
-
-    def criteria(self, method: Any) -> list[Criterion]:
-        """The criteria of a method of its family."""
 
 
 def read_family(
@@ -137,7 +111,8 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     if outcome.failed:
         return _not_read(name, outcome, method)
     read: FamilyReading = outcome.result
-    checks = read.criteria(method)
+    asked: Any = method  # which the reading is one of the family of
+    checks = read.criteria(asked)
     open_ones = [check for check in checks if check.passed is None]
     # What was read comes first, then measurements, of which one suffices, but for velocities and changes of h.
     decisive, others = [*checks[:2], *(each for each in checks if each.title in (VELOCITIES, ACROSS))], checks[2:]

@@ -235,7 +235,7 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
             continue
         taken.append(len(states))
         for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
-            if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+            if not tolerance.allows(q, v, h, answer):
                 seen = f"number {i} goes from {(q, v)} to {answer} with h = {h!r}"
                 return StepFinding(False, f"of {len(states)} oscillators together, {seen}")
     if not taken:

@@ -1,13 +1,11 @@
-"""Explanations of a step that is beyond the bound of its method: a habit of codes, or coefficients of few digits."""
+"""Explanations of a step that is beyond the bound of its method: a habit of codes, or an iteration that diverges."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from itertools import product
-from math import inf, log10
 from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
@@ -18,9 +16,7 @@ from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
-from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.certified import fixed, significant
+from driftproof.methods.schemes import Splitting
 
 # What some codes do besides rounding the method's sums and products; y' = f(t, y) has no positions.
 _OF_POSITIONS = "if the velocity is a difference of positions over h"
@@ -32,14 +28,10 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
 _OTHER_SIZES = (0.5, 2.0**-4, 2.0**-8)
 # Step sizes at which the iteration of an implicit stage converges, the largest first.
 _CONVERGING = (0.5, 0.25)
-# How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
-_DIGITS_AROUND = 2
-# Chosen: a source with fewer digits is not counted as a rounding of the method.
-_FEWEST = 5
 
 
 def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
-    """The agreement; if it does not hold, `but_for` names the first habit or number of digits with which it does.
+    """The agreement; if it does not hold, `but_for` names the first habit with which it does.
 
     If it holds `within` a smaller domain, beyond which an iteration does not converge, that is said instead. Raises the
     ValueError of `agreement`.
@@ -57,10 +49,9 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
         for domain in smaller:
             if agreement(subject, replace(wanted, domain=domain), examples).holds:
                 return replace(found, within=domain)
-    if found.failing.answer is None:
-        return found
     q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
-    if subject.step(q, v, h) != answer:  # no habit explains a step that goes elsewhere when it is made again
+    # No habit explains a step without an answer, or one that goes elsewhere when it is made again.
+    if answer is None or subject.step(q, v, h) != answer:
         return found
     # Of a force, whose coefficients are read as well: no rounding of these is taken for that of sums.
     by_force = subject.convention.kind == FORCE and isinstance(wanted.method, Splitting)
@@ -74,17 +65,6 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
             continue
         if allowing != wanted and agreement(subject, allowing, examples).holds:
             return replace(found, but_for=words)
-    near: list[tuple[float, str, Specification]] = []
-    off = found.largest_scaled_error * float(subject.format.u)
-    for words, method in _of_few_digits(of_one_state(wanted.method), off):
-        rounded = replace(wanted, method=method)
-        judged = Tolerance.of(rounded, subject.format).judge(q, v, h, answer)
-        if all(component.allowed for component in judged):
-            near.insert(0, (max(component.ratio for component in judged), words, rounded))
-    # Several numbers of digits may give the same coefficients: the fewest, tried last, come first and name them.
-    for _, words, rounded in sorted(near, key=lambda each: each[0]):
-        if agreement(subject, rounded, examples).holds:
-            return replace(found, but_for=f"if its coefficients are rounded to {words}")
     return found
 
 
@@ -97,10 +77,10 @@ def _after_another(subject: ForeignStepper, wanted: Specification, failing: Exam
     """The call of a step of another size, by a new object, after which its failing step goes elsewhere; "" if none."""
     tolerance, (q, v, h) = Tolerance.of(wanted, subject.format), (failing.q, failing.v, failing.h)
     with suppress(Misbehaviour, UnsupportedCall):
-        if all(component.allowed for component in tolerance.judge(q, v, h, subject.fresh().step(q, v, h))):
+        if tolerance.allows(q, v, h, subject.fresh().step(q, v, h)):
             for before in (h * x for x in _OTHER_SIZES):
                 (made := subject.fresh()).step(q, v, before)
-                if not all(component.allowed for component in tolerance.judge(q, v, h, made.step(q, v, h))):
+                if not tolerance.allows(q, v, h, made.step(q, v, h)):
                     return call_text(subject, q, v, before)
     return ""
 
@@ -132,33 +112,3 @@ def _diverges(subject: ForeignStepper, wanted: Specification, failing: Example, 
     long, short = calls(failing.q, failing.v, failing.h), calls(0.0, 1.0, domain.largest_step)
     periods = [period for period in range(1, stages + 1) if settled(short, period)]  # of one stage, 2 is no solution
     return len(long) > len(short) or (len(long) > 3 * stages and periods != [] and not settled(long, periods[0]))
-
-
-def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:
-    """Yield the method with coefficients of about as many digits as an error of this size suggests."""
-    if not 0 < error < inf:  # 0 if all errors are in the range of underflow
-        return
-    middle = round(-log10(error))
-    for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
-        for words, text in ((f"{digits} decimals", fixed), (f"{digits} significant digits", significant)):
-            rounded = _with_coefficients(method, text, digits)
-            if rounded != method:
-                yield words, rounded
-
-
-def _with_coefficients(method: Method, text: Callable[[Exact, int], str], digits: int) -> Method:
-    """The method with coefficients of so many digits; itself if it is not given by a table."""
-
-    def row(numbers: Iterable[Exact]) -> tuple[Exact, ...]:
-        return tuple(Fraction(text(x, digits)) for x in numbers)
-
-    if isinstance(method, Splitting):
-        kinds, numbers = zip(*method.parts, strict=True)
-        return replace(method, parts=tuple(zip(kinds, row(numbers), strict=True)))
-    if isinstance(method, RungeKutta):
-        rows = tuple(map(row, method.a))
-        return replace(method, a=rows, b=row(method.b), c=row(method.c), b_embedded=None, embedded_order=None)
-    if isinstance(method, Nystrom):
-        position, velocity = row(method.b_position), row(method.b_velocity)
-        return replace(method, a=tuple(map(row, method.a)), c=row(method.c), b_position=position, b_velocity=velocity)
-    return method

@@ -156,7 +156,7 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
         numbers = counted(size, "component")
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code passes no time'}"
         bells = size if timed else size - 1
-        ends: Callable[[arb], list[arb]] = lambda t: [*(_bell(i, t)[1] for i in range(bells)), *[t] * (size - bells)]
+        ends: Callable[[arb], list[arb]] = lambda t: [*(_bell(i, t)[0] for i in range(bells)), *[t] * (size - bells)]
         return NonlinearProblem(words, _bells(timed), ends, timed=timed)
     words = "y' = exp(-y), without t: the code passes no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
@@ -184,9 +184,8 @@ def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearPro
         if not timed:
             return [*v, *(capped_exp(-2 * x) * p for x, p in zip(q, pulls, strict=True))]
         bells = [_bell(i, t) for i in range(positions)]
-        own = [8 * x * x * bell**3 - 2 * bell * bell for x, bell in bells]
-        known = [pull(bell, -2 * x * bell * bell) for x, bell in [*bells[1:], bells[0]]]
-        return [*v, *(a + p - k for a, p, k in zip(own, pulls, known, strict=True))]
+        known = [pull(bell, slope) for bell, slope, _ in [*bells[1:], bells[0]]]
+        return [*v, *(own + p - k for (*_, own), p, k in zip(bells, pulls, known, strict=True))]
 
     several = "" if positions == 1 else f" of {positions} positions"
     return replace(still, words=f"a nonlinear q'' = F({'t, ' * timed}q, v){several}", rate=rate, dragged=True)
@@ -228,10 +227,11 @@ def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber]
     return y[:positions], y[positions:]
 
 
-def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-    """The number x = t + i/2 and the bell 1/(1 + x²), whose derivatives vanish at isolated points only."""
+def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber, AnyNumber]:
+    """The bell 1/(1 + x²) of x = t + i/2, whose derivatives vanish at isolated points only, with the first two."""
     x = t + _SPACING * i
-    return x, 1 / (1 + x * x)
+    bell = 1 / (1 + x * x)
+    return bell, -2 * x * bell * bell, 8 * x * x * bell**3 - 2 * bell * bell
 
 
 def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
@@ -246,8 +246,8 @@ def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         at, state = (t, y) if timed else (y[-1], y[:-1])
         bells = [_bell(i, at) for i in range(len(state))]
-        pairs = zip(bells, _coupled(at, state), _coupled(at, [bell for _, bell in bells]), strict=True)
-        slopes = [mine - its - 2 * x * bell * bell for (x, bell), mine, its in pairs]
+        pairs = zip(bells, _coupled(at, state), _coupled(at, [bell for bell, *_ in bells]), strict=True)
+        slopes = [mine - its + slope for (_, slope, _), mine, its in pairs]
         return slopes if timed else [*slopes, at * 0 + 1]
 
     return rate
@@ -268,15 +268,14 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         q, v = _halves(y, positions)
         at = t if timed else q[-1]
-        pairs = [_bell(i, at) for i in range(bells)]
-        pulls = zip(pairs, _product_of_others(q[:bells]), _product_of_others([bell for _, bell in pairs]), strict=True)
-        forces = [8 * x * x * bell**3 - 2 * bell * bell + mine - its for (x, bell), mine, its in pulls]
+        known = [_bell(i, at) for i in range(bells)]
+        pulls = zip(known, _product_of_others(q[:bells]), _product_of_others([bell for bell, *_ in known]), strict=True)
+        forces = [own + mine - its for (*_, own), mine, its in pulls]
         return [*v, *forces, *([] if timed else [0 * at])]
 
     def solution(t: arb) -> list[arb]:
-        pairs = [_bell(i, t) for i in range(bells)]
-        clock, speed = ([], []) if timed else ([t], [arb(1)])
-        return [*(bell for _, bell in pairs), *clock, *(-2 * x * bell * bell for x, bell in pairs), *speed]
+        places, speeds, _ = zip(*(_bell(i, t) for i in range(bells)), strict=True)
+        return [*places, *speeds] if timed else [*places, t, *speeds, arb(1)]
 
     several = "" if positions == 1 else f" of {positions} positions"
     words = f"a nonlinear q'' = {'F(t, q)' if timed else 'F(q)'}{several}{'' if timed else ', one being the time'}"

@@ -15,6 +15,7 @@ from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape, fir
 from driftproof.blackbox.judging import nonlinear_problems as nonlinear
 from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem
 from driftproof.blackbox.judging.specification import Allowance, Specification
+from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
@@ -198,9 +199,9 @@ def _runge_kutta_step(
 
     Explicit stages are computed in turn, implicit ones as `solved_in_balls` does.
     """
-    tableau: Any = method.tableau(BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
-    a = [[enclose(x) for x in row] for row in tableau[0]]
-    b, c = ([enclose(x) for x in row] for row in tableau[1:])
+    rows, *tableau = exact_tableau(method)
+    a = [[enclose(x) for x in row] for row in rows]
+    b, c = ([enclose(x) for x in row] for row in tableau)
     if method.explicit:
         slopes: list[list[arb]] = []
         for node, row in zip(c, a, strict=True):

@@ -60,7 +60,7 @@ class _Reading(NamedTuple):
         """The first step by h/rate that is not M(h), in words; "" if there is none."""
         for (q, v), h in product(states, steps):
             q1, v1 = self.subject.step(q, self.scale * v, h / self.rate)
-            if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / self.scale))):
+            if not tolerance.allows(q, v, h, (q1, v1 / self.scale)):
                 return f"from {(q, self.scale * v)} with h = {h / self.rate!r} it goes to {(q1, v1)}"
         return ""
 

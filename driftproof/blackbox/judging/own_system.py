@@ -19,7 +19,7 @@ from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
-from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.stage_solutions import step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE, STEP, CallingConvention
@@ -54,13 +54,9 @@ NO_SLOPES = "short steps show no slopes of it"
 class OwnSystem(Misbehaviour):
     """Its system is built in and is not q'' = -q: its steps do not show all of a method."""
 
-    kind = "own_system"
-
 
 class AsOnOwnSystem(OwnSystem):
     """The steps of a stepper are those of the method on the system that it has built in; no more of it is seen."""
-
-    kind = "as_on_own_system"
 
 
 class NotOnOwnSystem(Misbehaviour):
@@ -341,8 +337,7 @@ class OwnSteps:
                 z = [*y[:half], *(x * c for x, c in zip(y[half:], rates, strict=True))]
                 end = [float(x) for x in own_step(method, replace(self.problem, rate=rate), t, z, h)]
             return [*end[:half], *(x / c for x, c in zip(end[half:], rates, strict=True))]
-        tableau: Any = method.tableau(BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
-        a, b, c = (np.array(part, dtype=float).tolist() for part in tableau)
+        a, b, c = (np.array(part, dtype=float).tolist() for part in exact_tableau(method))
         places = lambda i, place, _: self.slopes(t + c[i] * h, place)
         end, done = step_by_iteration([a], [b], places, y, h, _ROUNDS, _settled)
         if not done:

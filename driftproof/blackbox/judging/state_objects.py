@@ -140,7 +140,7 @@ def _tried(
     for nudge in () if subject.single else nudges:
         q, v = (float(subject.format.nearest(Fraction(nudge * x))) for x in (q, v))
         answer = subject.step(q, v, h)
-        if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+        if not tolerance.allows(q, v, h, answer):
             return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
         seen.append(answer)
         q, v = answer

@@ -102,6 +102,10 @@ class Tolerance:
                 judged.append(_judgement(abs(arb(got) - want), bound, unit, self.averages))
             return judged[0], judged[1]
 
+    def allows(self, q: float, v: float, h: float, answer: tuple[float, float]) -> bool:
+        """True if both components of a float step are within what is allowed."""
+        return all(component.allowed for component in self.judge(q, v, h, answer))
+
     @property
     def averages(self) -> int:
         """How many times the bound a step may be off that averages states of its stages, or adds `kicks` in parts."""

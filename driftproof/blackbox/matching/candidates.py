@@ -16,6 +16,7 @@ from driftproof.blackbox.probes.coefficients import short_rational, simple_ratio
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
+from driftproof.symbolic.known_methods import turned_over
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # Makes a table of the kind of number wanted, with its drift, which is None for a right-hand side.
@@ -27,10 +28,7 @@ _Change: TypeAlias = Callable[[Any, Any], Any]
 MOST_REPEATED = 4
 # How near a solver comes by default; and the first denominator that is too large to be written as a fraction.
 _SOLVED_TO, _WRITTEN_OUT = 2.0**-36, 100
-OTHER_KIND = {"kick": "drift", "drift": "kick"}
 EMBEDDED = "with the embedded weights propagated"
-ADJOINT = "its adjoint"
-EXCHANGED = "kicks and drifts exchanged"
 
 
 @dataclass(frozen=True)
@@ -178,11 +176,9 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
-            exchanged = tuple((OTHER_KIND[kind], x) for kind, x in splitting.parts)
-            words = {ADJOINT: splitting.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
-            for relation, parts in words.items():
-                if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
-                    yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, parts))
+            for relation, other in turned_over(splitting):
+                if sum(kind == "kick" and x != 0 for kind, x in other.parts) == calls:
+                    yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, other.parts))
     for candidate in force_methods():
         for relation, change, by in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
             yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))

@@ -24,12 +24,10 @@ from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import Json
+from driftproof.symbolic.known_methods import are_few
 from driftproof.symbolic.linear.printed_digits import roundings
 from driftproof.symbolic.trees.order_in_balls import Ball, vanishing_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
-
-# Chosen: a row that differs from a pair's in more weights than this, or in more than a third of them, is another row.
-_FEW_WEIGHTS = 3
 
 
 @dataclass(frozen=True)
@@ -175,8 +173,7 @@ def _compared(pair: RungeKutta, exact: list[Exact], estimate: EstimateReading) -
     factor = ratio if simple is None else float(simple)
     if _off(exact, printed, estimate, most, factor):
         wrong = _off(exact, printed, estimate, most, 1.0)
-        few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
-        but = f"; it differs in {'; '.join(wrong)}" if few else ""
+        but = f"; it differs in {'; '.join(wrong)}" if are_few(wrong, len(exact), 0) else ""
         return None, 1.0, [], [f"the error estimate is not that of {key}{but}"]
     unsigned = estimate.form in (ABSOLUTE, NORM)
     if factor == 1 or (unsigned and factor == -1):

@@ -1,4 +1,4 @@
-"""Identification of a float stepper by its steps of a linear system: a method of the catalogue, or its own matrix."""
+"""Identification of a float stepper by its steps of a linear system: a method of the catalogue, or how near one is."""
 
 from __future__ import annotations
 
@@ -19,16 +19,7 @@ from driftproof.blackbox.matching.equivalent_methods import (
     all_matrices,
     equivalent_methods,
 )
-from driftproof.blackbox.matching.matrix_facts import (
-    ENTRY_NAMES,
-    SERIES_LENGTH,
-    MatrixFacts,
-    damping_of,
-    differences,
-    facts_of_class,
-    matrix_facts,
-)
-from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
+from driftproof.blackbox.matching.matrix_facts import ENTRY_NAMES, SERIES_LENGTH, MatrixFacts, facts_of_class
 from driftproof.blackbox.probes import linear_steps as linear
 from driftproof.blackbox.probes.coefficients import short_rational
 from driftproof.blackbox.stepper.calling_conventions import MAP
@@ -43,18 +34,17 @@ OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
 OWN_RANGE = 100
 # Solvers in use stop at 1e-4 or below. Chosen: every other method then has to be this many times as far off.
 NEARLY, AS_NEAR = 1e-4, 16
-# Chosen, as what a reader takes in: the longest line, the most methods compared, and the most differences listed.
-LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES = 160, 8, 4
+# Chosen, as what a reader takes in: the longest line.
+LONGEST_LINE = 160
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The methods nearest to a stepper, which share a matrix; how far `off` it is at one step size h, and where."""
+    """The methods nearest to a stepper, which share a matrix, and how far `off` it is at one step size h."""
 
     methods: tuple[str, ...]
     h: float
     off: float
-    differences: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -62,10 +52,10 @@ class LinearFit:
     """The facts that linear steps show of a stepper, as plain data.
 
     `kind` is the kind of the reading, `amplitude` the size of the states at which it was made, and `format` the one in
-    which the stepper computes. `position`, `stiffness` and `damping` are the a, k and g of the system q' = a v,
-    v' = -k q - g v that small steps follow, None if unknown. `candidates` explain the reading, the simplest first.
-    `nearest` is the closest method if there is no candidate, or the closest at states of size 1 if the step is linear
-    at tiny states only. `facts` are those of the exact matrix if it is known. `nearly` is the one method whose steps it
+    which the stepper computes. `position` and `stiffness` are the a and k of the system q' = a v, v' = -k q that small
+    steps follow, but for a drag if no candidate explains them, None if unknown. `candidates` explain the reading, the
+    simplest first, and `facts` are those of the first. `nearest` is the closest method if there is no candidate, or the
+    closest at states of size 1 if the step is linear at tiny states only. `nearly` is the one method whose steps it
     takes at states of size 1 up to the error of an iterative solver that stops early. `remarks` are for people.
     """
 
@@ -74,7 +64,6 @@ class LinearFit:
     format: str
     position: Fraction | None = None
     stiffness: Fraction | None = None
-    damping: Fraction | None = None
     candidates: tuple[linear_candidates.LinearCandidate, ...] = ()
     nearest: Nearest | None = None
     facts: MatrixFacts | None = None
@@ -97,13 +86,12 @@ class LinearFit:
     def is_disturbed(self) -> bool:
         """True if a reading at states of another size may show more than this one.
 
-        That is so if the best candidate does not hold at all h > 0, or if there is no candidate and something was seen
-        that depends on the size of states.
+        That is so if the best candidate does not hold at all h > 0, or if there is no candidate for a step that is not
+        linear, or has no rates.
         """
         if self.best is not None:
             return self.doubts > 1
-        limited = any(remark.startswith(linear.FAR_OUT) for remark in self.remarks)
-        return limited or self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
+        return self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -146,37 +134,19 @@ def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
     if known and reading.ordinary:
         h, m = reading.ordinary[0]
         (off, each), *_ = _by_distance(h, m, rates)
-        start = replace(start, nearest=Nearest(each.keys, h, off, ()))
+        start = replace(start, nearest=Nearest(each.keys, h, off))
     found = linear_candidates.linear_candidates(reading, known=known) if position and stiffness else []
     if all(each.restriction for each in found) and (nearly := linear_candidates.nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     if not found:
-        return _unexplained(start, reading, known=known)
+        return replace(start, nearest=_nearest(linear_candidates.tried_steps(reading), rates))
     start = replace(start, nearly=None) if start.kind == linear.LINEAR else start
     # The facts are those of the first of the candidates.
     first, system, facts = found[0], Fraction(1) if found[0].known else found[0].stiffness, MatrixFacts(*[None] * 4)
     for each in adjoint_methods() if first.adjoint else equivalent_methods():
         if each.keys == first.methods:
             facts = facts_of_class(each, first.position, first.stiffness, system)
-    return replace(start, candidates=tuple(found), facts=facts, damping=Fraction(0))
-
-
-def _unexplained(start: LinearFit, reading: linear.LinearReading, *, known: bool) -> LinearFit:
-    """The fit with the nearest methods, and with the facts of the matrix if that is a simple function of h."""
-    (h, m), (position, stiffness) = min(linear_candidates.tried_steps(reading)), linear_candidates.rates_of(reading)
-    entries = recovered(reading)
-    if entries is None:
-        return replace(
-            start, nearest=_nearest(linear_candidates.tried_steps(reading), (float(position), float(stiffness)))
-        )
-    rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
-    nearest = _least_different(h, m, entries, *rates)
-    if not all(entry.exact for entry in entries):
-        return replace(start, nearest=nearest)
-    qq, qv, vq, vv = (entry.function for entry in entries)
-    damping = damping_of(vv)
-    near = nearest if not damping or len(nearest.differences) == 1 else None  # no method has a drag
-    return replace(start, nearest=near, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
+    return replace(start, candidates=tuple(found), facts=facts)
 
 
 def _nearest(steps: Sequence[tuple[float, linear.MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
@@ -184,7 +154,7 @@ def _nearest(steps: Sequence[tuple[float, linear.MatrixEntries]], rates: tuple[f
     for h, m in sorted(steps):
         off, each = _by_distance(h, m, rates)[0]
         if off > 0:
-            return Nearest(each.keys, h, off, ())
+            return Nearest(each.keys, h, off)
     return None
 
 
@@ -199,17 +169,7 @@ def _nearly(reading: linear.LinearReading, rates: tuple[float, float]) -> Neares
         for distance, each in _by_distance(h, m, rates):
             off[each.keys] = max(distance, off.get(each.keys, 0.0))
     (best, distance), (_, second), *_ = sorted(off.items(), key=lambda pair: pair[1])
-    return Nearest(best, steps[0][0], distance, ()) if distance <= NEARLY and AS_NEAR * distance < second else None
-
-
-def _least_different(
-    h: float, m: linear.MatrixEntries, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
-) -> Nearest:
-    """The methods that differ in one coefficient, if there are some, else those with the nearest matrix."""
-    closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
-    compared = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
-    found, off, each = min(compared, key=lambda one: (len(one[0]) != 1, one[1]))
-    return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
+    return Nearest(best, steps[0][0], distance) if distance <= NEARLY and AS_NEAR * distance < second else None
 
 
 def _by_distance(
@@ -227,7 +187,6 @@ def _lines(fit: LinearFit) -> Iterator[str]:
         where = "at states of size 1, nearest" if fit.best else "nearest"
         off = f"off by {fit.nearest.off:.1e}" if fit.nearest.off else "the same matrix"
         yield f"{where}: {fit.nearest.methods[0]}, {off} at h = {fit.nearest.h:g}"
-        yield from fit.nearest.differences
     if fit.kind == linear.LINEARISED or fit.amplitude != 1:
         yield f"read at states of size {fit.amplitude:.1e}, where the step is linear"
     yield from _rates(fit)
@@ -252,16 +211,13 @@ def _identity(fit: LinearFit) -> Iterator[str]:
 
 
 def _rates(fit: LinearFit) -> Iterator[str]:
-    """Yield the system that small steps follow, if it is not the oscillator."""
-    damping = fit.damping or Fraction(0)
-    if fit.position is None or fit.stiffness is None or (fit.position == fit.stiffness == 1 and damping == 0):
+    """Yield the system that small steps follow, if it is not the oscillator, and is known to have no drag."""
+    if fit.position is None or fit.stiffness is None or fit.position == fit.stiffness == 1:
         return
     if fit.position != 1:
         yield f"order 0: the position moves by {_times(fit.position, 'h v')}"
-    force = _times(-fit.stiffness, "q") if fit.stiffness or not damping else ""
-    sign = f" {'-' if damping > 0 else '+'} " if force else "-" if damping > 0 else ""
-    drag = f"{sign}{_times(abs(damping), 'v')}" if damping else ""
-    yield f"small steps follow q' = {_times(fit.position, 'v')}, v' = {force}{drag}"
+    if fit.best:
+        yield f"small steps follow q' = {_times(fit.position, 'v')}, v' = {_times(-fit.stiffness, 'q')}"
 
 
 def _times(x: Fraction, of: str) -> str:

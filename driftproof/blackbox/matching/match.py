@@ -23,15 +23,12 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods import catalogue
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.support.plain_text import counted
+from driftproof.symbolic.known_methods import FEW_DIFFERENCES, are_few, except_for
 from driftproof.symbolic.linear.reduced_tableau import reduced
 
 # A coefficient that is computed where it is used, as a quotient or with a root, takes at most four operations, as
 # 1/(2 - 2**(1/3)) does.
 FEW_ROUNDINGS = 4
-# Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
-# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three. Three that are all the
-# numbers of A say nothing of the method.
-FEW_DIFFERENCES = 3
 
 
 @dataclass(frozen=True)
@@ -94,11 +91,8 @@ class Identity:
             only = [f"{self.matches[0].name}{key}: {self.matches[0].closeness}"]
             beside = [f"{m.key}: in a call whose answer is not used, {line}" for m in self.matches for line in m.beside]
             return (only if len(self.matches) == 1 else tie) + beside
-        names_by_difference: dict[tuple[str, ...], list[str]] = {}
-        for near in self.near:
-            names_by_difference.setdefault(near.differences, []).append(near.key)
-        nearest = [f"nearest: {' or '.join(keys)} except for {'; '.join(d)}" for d, keys in names_by_difference.items()]
-        return ["no method of the catalogue", *nearest]
+        nearest = except_for((near.key, near.differences) for near in self.near)
+        return ["no method of the catalogue", *(f"nearest: {each}" for each in nearest)]
 
 
 def match_tableau(reading: TableauReading) -> Identity:
@@ -213,8 +207,8 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> dict[str, fl
         return None
     comparison = Comparison(mine, its, read.rounding)
     places = comparison.differences()
-    of_a, any_a = sum(p.name.startswith("a[") for p in places), np.any([mine.values, its.values], axis=0)[: mine.calls]
-    if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)) or 2 < of_a >= any_a.sum():
+    any_a = np.any([mine.values, its.values], axis=0)[: mine.calls]
+    if not are_few([place.name for place in places], comparison.size, any_a.sum()):
         return None
     fmt, slack = read.rounding.format, read.rounding.besides
     return {

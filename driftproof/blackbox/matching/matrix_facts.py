@@ -1,16 +1,14 @@
-"""Facts of a one-step matrix: text, determinant, energy multiplier and linear order; and how two matrices differ."""
+"""Facts of a one-step matrix: text, determinant, energy multiplier and linear order."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, arb_series, ctx
 
 from driftproof.blackbox.matching.equivalent_methods import CERTIFYING_BITS, LinearlyEquivalentMethods
-from driftproof.blackbox.matching.matrix_recovery import Recovered
-from driftproof.methods.number_field import Exact
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
@@ -25,16 +23,14 @@ SERIES_LENGTH = 24
 ENTRY_NAMES = ("M_qq", "M_qv", "M_vq", "M_vv")
 # Exact texts longer than a line are replaced by decimals, which are easier to read.
 LONGEST_EXACT = 120
-# Chosen: the powers of h in which differences of two matrices are listed, and the largest denominator shown there.
-POWERS_COMPARED, LONGEST_DENOMINATOR = 12, 10**6
 
 
 @dataclass(frozen=True)
 class MatrixFacts:
-    """The entries M_qq, M_qv, M_vq, M_vv and the determinant as text in h, None if not rational in h; and other facts.
+    """The entries M_qq, M_qv, M_vq, M_vv and the determinant as text in h, None of the exact solution; and other facts.
 
     `energy_multiplier` is the factor by which a step multiplies k q² + v², None if that depends on the state.
-    `linear_order` is the largest p with M(h) - exp(hA) = O(h^(p+1)) for q' = v, v' = -k q - g v; it is -1 if M(0) ≠ I,
+    `linear_order` is the largest p with M(h) - exp(hA) = O(h^(p+1)) for q' = v, v' = -k q; it is -1 if M(0) ≠ I,
     and None if no difference is seen in the first SERIES_LENGTH powers of h.
     """
 
@@ -51,7 +47,7 @@ def facts_of_class(
 
     If its coefficients are decimals, its order is that of balls around them, right to a rounding of binary64.
     """
-    found = matrix_facts(scaled_matrix(each.matrix, position, stiffness), system, Fraction(0))
+    found = matrix_facts(scaled_matrix(each.matrix, position, stiffness), system)
     if not (each.programs and each.programs[0].decimal) or {position, stiffness, system} != {Fraction(1)}:
         return found
     terms, ctx.cap = ctx.cap, SERIES_LENGTH
@@ -61,24 +57,24 @@ def facts_of_class(
             step, one, nil = stepper(each.programs[0], printed), arb_series([1]), arb_series([0])
             columns = [step(lambda q: -q, q, v, arb_series([0, 1])) for q, v in ((one, nil), (nil, one))]
             series = [entry.coeffs() for row in zip(*columns, strict=True) for entry in row]
-            return replace(found, linear_order=order_on_linear_system(series, system, Fraction(0)))
+            return replace(found, linear_order=order_on_linear_system(series, system))
     finally:
         ctx.cap = terms
 
 
-def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
-    """The facts of an exact matrix that should solve q' = v, v' = -stiffness q - damping v."""
+def matrix_facts(matrix: StepMatrix, stiffness: Fraction) -> MatrixFacts:
+    """The facts of an exact matrix that should solve q' = v, v' = -stiffness q."""
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
     series = [[exact(c) for c in taylor(entry, SERIES_LENGTH)] for row in matrix for entry in row]
     with ctx.workprec(CERTIFYING_BITS):
-        order = order_on_linear_system([[enclose(c) for c in each] for each in series], stiffness, damping)
+        order = order_on_linear_system([[enclose(c) for c in each] for each in series], stiffness)
     energy = text_of(multiplier) if multiplier else None
     return MatrixFacts((qq, qv, vq, vv), text_of(area_factor(matrix)), energy, order)
 
 
-def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
-    """The order on q' = v, v' = -k q - g v; None if no difference is certain in the first SERIES_LENGTH powers of h.
+def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction) -> int | None:
+    """The order on q' = v, v' = -k q; None if no difference is certain in the first SERIES_LENGTH powers of h.
 
     `series` are balls around the coefficients of M_qq, M_qv, M_vq, M_vv.
     """
@@ -87,20 +83,12 @@ def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction,
         found = [each[power] if power < len(each) else arb(0) for each in series]
         if not all(c.overlaps(enclose(x)) for c, x in zip(found, term, strict=True)):
             return power - 1
-        qq, qv, vq, vv = term  # the next one is A m / power of exp(hA), for A = [[0, 1], [-k, -g]]
-        moved = vq, vv, -stiffness * qq - damping * vq, -stiffness * qv - damping * vv
-        term = [x / (power + 1) for x in moved]
+        qq, qv, vq, vv = term  # the next one is A m / power of exp(hA), for A = [[0, 1], [-k, 0]]
+        term = [x / (power + 1) for x in (vq, vv, -stiffness * qq, -stiffness * qv)]
     return None
 
 
-def damping_of(velocities: RationalFunction) -> Fraction:
-    """The damping g of an entry M_vv = 1 - g h + O(h²) over Q."""
-    return -Fraction(str(taylor(velocities, 2)[1]))
-
-
 def _energy_multiplier(matrix: StepMatrix, stiffness: Fraction) -> RationalFunction | None:
-    if stiffness == 0:
-        return None
     (qq, qv), (vq, vv) = matrix
     k, inverse = (fraction(polynomial([x])) for x in (stiffness, 1 / stiffness))
     gained = qq * qq + inverse * vq * vq
@@ -136,40 +124,3 @@ def _decimals(p: Polynomial) -> str:
     terms = [(power, float(c)) for power, c in enumerate(coefficients(p)) if c != 0]
     shown = (f"{c:.10g}{('', '*h')[power] if power < 2 else f'*h**{power}'}" for power, c in terms)
     return " + ".join(shown).replace("+ -", "- ")
-
-
-def differences(
-    read: Sequence[Recovered], other: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction
-) -> list[str]:
-    """The certain differences of a recovered matrix from a method's for q' = a v, v' = -k q, as lines of text.
-
-    The series in h are compared power by power. For polynomials every coefficient that differs is given, for other
-    entries the first.
-    """
-    matrix = scaled_matrix(other.matrix, position, stiffness)
-    theirs = [[exact(c) for c in taylor(entry, POWERS_COMPARED)] for row in matrix for entry in row]
-    polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
-    found: list[tuple[int, str]] = []
-    for name, entry, series in zip(ENTRY_NAMES, read, theirs, strict=True):
-        lines = [
-            (power, f"h^{power} coefficient of {name} is {ours}, {other.keys[0]} has {_shown(its)}")
-            for power, ours, its in _differing(entry, series)
-        ]
-        found += lines if polynomial_ and len(entry.den) == 1 else lines[:1]
-    return [words for _, words in sorted(found, key=lambda difference: difference[0])]
-
-
-def _differing(entry: Recovered, theirs: Sequence[Exact]) -> Iterator[tuple[int, str, Exact]]:
-    """Yield the powers at which the series certainly differ, with both coefficients."""
-    if len(entry.den) > 1 and not entry.exact:
-        return
-    known = dict(enumerate(entry.num)) if len(entry.den) == 1 else {}
-    ours = (exact(c) for c in taylor(entry.function, len(theirs)))
-    for power, (x, y) in enumerate(zip(ours, theirs, strict=True)):
-        error = known[power].error if power in known else Fraction(0)
-        if x - y > error or y - x > error:
-            yield power, str(known[power]) if power in known else _shown(x), y
-
-
-def _shown(x: Exact) -> str:
-    return str(x) if isinstance(x, Fraction) and x.denominator <= LONGEST_DENOMINATOR else f"{float(x):.15g}"

@@ -21,7 +21,7 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduce
 
 # The decimals tried: from as many as a source may print for doubles, down to where other methods are as near.
 _DECIMALS = range(14, 3, -1)
-# Fewer wrong coefficients are named one by one, up to `match.FEW_DIFFERENCES`.
+# Fewer wrong coefficients are named one by one, up to `known_methods.FEW_DIFFERENCES`.
 _LEAST_OFF = 4
 # How far coefficients may be off, in units of their last decimal: if rounded; if worked out by hand, as in old tables.
 _HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {} decimals, off by up to 2 in the last"}

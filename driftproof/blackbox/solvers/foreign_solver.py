@@ -43,8 +43,6 @@ _OF_ATTEMPTS = 32
 class DoesNotEnd(Misbehaviour):
     """The solver went on calling its right-hand side after MOST_CALLS_OF_A_RUN calls."""
 
-    kind = "does_not_end"
-
 
 class TooSlow(NoAnswer):
     """It would end after more calls: the last quarter of them led it on by more than a hundredth of its share."""

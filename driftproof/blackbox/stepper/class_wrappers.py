@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -18,6 +19,11 @@ _RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
 # The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
 PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
 _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
+# The state from which an object of each kind is tried.
+START: dict[str, tuple[Any, ...]] = dict.fromkeys((calling.FORCE, calling.MAP), (1.0, 0.5))
+START[calling.FIELD] = (np.array([1.0, 0.5]),)
+# Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
+_TRIED = 12
 
 
 def function_argument(cls: type) -> str:
@@ -162,81 +168,152 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
             function = f"lambda y, *rest: f({'t, ' * timed}y)"
         puts = {q: "q", v: "v"} if kind == calling.FORCE else {state: "y", time * timed: "t"}
         puts = {each: text for each, text in (puts | {size: "h", name: function}).items() if each}
-        found = _Put(cls, start, puts, advance, [*call.values()], kind, vector)
+        places = [each for each, text in puts.items() if text in ("q", "v", "y")]
+        found = Made(kind, cls, start, call, f".{advance}", places, puts, vector)
         with suppress(Exception):
             if found.moves_by():
-                return found.line(common.HEADS[kind] if timed else "f, y, h")
+                return found.line(timed)
     return ""
 
 
-class _Put(NamedTuple):
-    """An object made anew for each step: what its class takes, what is put into it, and the call that advances it.
+class Made(NamedTuple):
+    """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
-    If its numbers are held in vectors, `vector` is their class.
+    `kept` are the attributes that hold its state, if it keeps one; `puts` are what is put into attributes. If its
+    numbers are held in vectors, `vector` is their class. What the wrapper does is seen by running its parts.
     """
 
-    cls: type
-    start: dict[str, str]
-    puts: dict[str, str]
-    advance: str
-    call: Sequence[str]
     kind: str
-    vector: Any
+    make: Callable[..., Any]
+    arguments: Mapping[str, str]
+    call: Mapping[str, str]
+    method: str = ""
+    kept: Sequence[str] = ()
+    puts: Mapping[str, str] = {}
+    vector: Any = None
 
     @property
-    def places(self) -> list[str]:
-        """The attributes with its state."""
-        return [each for each, text in self.puts.items() if text in ("q", "v", "y")]
+    def state(self) -> set[str]:
+        """The names of its state in the wrapper."""
+        return {"y"} if self.kind == calling.FIELD else {"q", "v"}
 
-    def line(self, head: str) -> str:
-        """The wrapper of a step; of n steps, if an object that has made steps makes others than a new one."""
-        numbers = ("q", "v", "force(q)") if self.vector else ()
-        write = lambda text: f"{self.vector.__name__}({text}, 0.0)" if text in numbers else text
-        begin = f"made = {common.name_of(self.cls)}({', '.join(map(write, self.start.values()))}); "
-        begin += f"{', '.join(f'made.{each}' for each in self.puts)} = {', '.join(map(write, self.puts.values()))}; "
-        act = f"made.{self.advance}({', '.join(self.call)})"
-        if self.kind == calling.FIELD and self.remembers():
-            return common.run_of_steps(head, "y", f"({act}, [*made.{self.places[0]}])[1]", begin)
-        ends = ", ".join(f"made.{each}{'.x' if self.vector else ''}" for each in self.places)
-        return f"def wrapped({head}): {begin}{act}; return {ends}"
+    @property
+    def _once(self) -> str:
+        return f"made{self.method}({', '.join(self.call.values())})"
+
+    def _begin(self, made: str) -> str:
+        """The statements before the step: what is `made`, and what is put into it."""
+        names, texts = (", ".join(some) for some in ([f"made.{x}" for x in self.puts], self._held(self.puts)))
+        return f"made = {made}; {names} = {texts}; " if self.puts else f"made = {made}; "
+
+    def _held(self, texts: Mapping[str, str]) -> list[str]:
+        held = ("q", "v", "force(q)") if self.vector else ()
+        return [f"{self.vector.__name__}({text}, 0.0)" if text in held else text for text in texts.values()]
+
+    def line(self, timed: bool | None = None) -> str:
+        """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
+        if timed is None:
+            given = (*self.arguments.values(), *self.call.values(), *self.puts.values())
+            timed = self.kind != calling.FIELD or "t" in given
+        head, name, once = common.HEADS[self.kind] if timed else "f, y, h", common.name_of(self.make), self._once
+        made = f"{name}({', '.join(self._held(self.arguments))})"
+        left, begin = ", ".join(f"made.{each}{'.x' if self.vector else ''}" for each in self.kept), self._begin(made)
+        if not self._carries():
+            ends = f"{once}; return {left}" if left else f"return {once}"
+            return f"def wrapped({head}): {f'{begin}{ends}' if left or self.puts else f'return {made}{once[4:]}'}"
+        if not (left or self.arguments or self.puts) and self._alone():  # whose steps may have several lengths
+            return f"wrapped = {made}{self.method}"
+        arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
+        later = f"made{self.method}({', '.join(arguments)})"
+        if left:
+            # What is kept may be changed in place, and so may be what it is given.
+            copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)
+            later = f"({once}, {f'[*{left}]' if self.kind == calling.FIELD else f'({copied})'})[1]"
+            copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == calling.FORCE else {}
+            begin = self._begin(f"{name}({', '.join(copies.get(x, x) for x in self.arguments.values())})")
+        return common.run_of_steps(head, "y" if self.kind == calling.FIELD else "(q, v)", later, begin)
+
+    def new(self, state: Sequence[Any], t: float, function: Callable[..., Any] | None = None) -> dict[str, Any]:
+        """The names in the wrapper when its object is made, and the function that it is given."""
+        texts = (*self.arguments.values(), *self.call.values())
+        names: dict[str, Any] = {text: None for text in texts if text.isidentifier() and text.isupper()}
+        names |= {getattr(self.vector, "__name__", "vector"): self.vector, "make": self.make, "h": 0.25}
+        # Of the time, too, where it is given.
+        names |= dict.fromkeys(("f", "force"), function or (lambda *x: x[0] - 0.5 * x[-1]))
+        self._fill(names, state, t, f"make({', '.join(self._held(self.arguments))})")
+        return names
+
+    def _fill(self, names: dict[str, Any], state: Sequence[Any], t: float, made: str = "made") -> None:
+        """Put a state and a time into the object."""
+        names |= {"t": t} | dict(zip("y" if self.kind == calling.FIELD else "qv", map(copy, state), strict=True))
+        exec(self._begin(made), names)
+
+    def stepped(self, names: dict[str, Any], state: Sequence[Any], t: float) -> tuple[Any, ...]:
+        """The state that is left or returned after a step of what was made."""
+        self._fill(names, state, t)
+        exec(f"found = {self._once}", names)
+        found = [getattr(names["made"], each) for each in self.kept] if self.kept else names["found"]
+        found = [x.x for x in found] if self.vector else found
+        return tuple(map(copy, found if self.kept or self.kind != calling.FIELD else [found]))
 
     def moves_by(self) -> bool:
         """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
-        start = np.array([1.0, 0.5])
-        still, moved = (self.step(self.new(start, pushed)) for pushed in (lambda x: 0.0 * x, lambda x: 0.0 * x + 1.0))
-        right = np.array_equal(still, start) if self.kind == calling.FIELD else still[1] == start[1]
-        return bool(right and still[1] != moved[1] and (self.kind == calling.FIELD or not self.remembers()))
+        start = START[self.kind]
+        still, moved = (
+            np.ravel(self.stepped(self.new(start, 0.0, pushed), start, 0.0))
+            for pushed in (lambda *x: 0.0 * max(x, key=np.size), lambda *x: 0.0 * max(x, key=np.size) + 1.0)
+        )
+        first = np.ravel(start)
+        right = np.array_equal(still, first) if self.kind == calling.FIELD else still[1] == first[1]
+        return bool(right and still[1] != moved[1] and (self.kind == calling.FIELD or not self._carries()))
 
-    def remembers(self) -> bool:
-        """True if an object that has made a step makes another one than a new object."""
-        made = self.new(np.array([1.0, 0.5]), np.negative)
-        state = self.step(made)
-        again = self.step(self.filled(made, state, np.negative))
-        return not np.array_equal(again, self.step(self.new(state, np.negative)))
+    def _carries(self) -> bool:
+        """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
 
-    def new(self, state: Any, pushed: Callable[[Any], Any]) -> Any:
-        """An object in a state, pushed by a function of the place."""
-        values = self._values(state, pushed, None)
-        return self.filled(self.cls(*[values[text] for text in self.start.values()]), state, pushed)
+        What an object changes besides does not count where its state is put. It is False if no step can be made.
+        """
+        with suppress(Exception):
+            names = self.new(START[self.kind], 0.0)
+            before = {each: repr(x) for each, x in getattr(names["made"], "__dict__", {}).items()}
+            if self._departs(names):
+                return True
+            after = getattr(names["made"], "__dict__", {}).items()
+            changed = {each for each, x in after if repr(x) != before.get(each)}
+            changed -= {*self.kept, attribute_of(names["made"], calling.TIME)}
+            return bool(changed) and not self.state <= {*self.puts.values()}
+        return False
 
-    def filled(self, made: Any, state: Any, pushed: Callable[[Any], Any]) -> Any:
-        """The object with all that is put into it."""
-        values = self._values(state, pushed, made)
-        for each, text in self.puts.items():
-            setattr(made, each, values.get(text, values["f" if self.kind == calling.FIELD else "force"]))
-        return made
+    def _departs(self, names: dict[str, Any]) -> bool:
+        """True if one of some steps of an object is not that of a new one in the same state."""
+        state = START[self.kind]
+        for i in range(_TRIED):
+            found, anew = (self.stepped(each, state, i / 4) for each in (names, self.new(state, i / 4)))
+            if not np.array_equal(np.array(found), np.array(anew)):
+                return True
+            state = found
+        return False
 
-    def step(self, made: Any) -> Any:
-        """The state of an object after a step, as two numbers."""
-        values = self._values([0.0, 0.0], np.negative, made)
-        getattr(made, self.advance)(*[values[text] for text in self.call])
-        found = [getattr(made, each) for each in self.places]
-        return np.array([x.x for x in found] if self.vector else found, float).ravel()
+    def _alone(self) -> bool:
+        """True if the object itself is a step: it looks back at its steps, or goes on from any state as a new one."""
+        with suppress(Exception):
+            start, names = START[self.kind], self.new(START[self.kind], 0.0)
+            if self._departs(names):
+                return True
+            on, anew = (self.stepped(each, start, 0.0) for each in (names, self.new(start, 0.0)))
+            return bool(np.array_equal(np.array(on), np.array(anew)))
+        return False
 
-    def _values(self, state: Any, pushed: Callable[[Any], Any], made: Any) -> dict[str, Any]:
-        numbers = {"q": float(state[0]), "v": float(state[1]), "force(q)": float(pushed(float(state[0])))}
-        held = {each: self.vector(x, 0.0) if self.vector else x for each, x in numbers.items()}
-        force = lambda *x: pushed(x[0] if x else getattr(made, self.places[0]))
-        field = lambda *x: pushed(np.asarray(max(x, key=np.size), float))
-        known = {"h": 0.25, "t": 0.0, "None": None, "0.0": 0.0, "1.0": 1.0, "f": field, "force": force}
-        return {**held, **known, "y": np.array(state)}
+    def fitted(self) -> Made:
+        """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""
+        start, function = START[self.kind], common.function_of(self.kind)
+        try:
+            self.stepped(self.new(start, 0.0), start, 0.0)
+        except Exception as failure:
+            texts = {"1": "len(y)"} if self.kind == calling.FIELD else {}
+            if isinstance(failure, AttributeError) and callable(failure.obj):
+                texts = {function: f'type("Made", (), {{"{failure.name}": staticmethod({function})}})'}
+            other = self._replace(arguments={each: texts.get(text, text) for each, text in self.arguments.items()})
+            with suppress(Exception):
+                other.stepped(other.new(start, 0.0), start, 0.0)
+                return other
+        return self

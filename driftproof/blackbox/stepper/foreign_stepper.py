@@ -162,28 +162,21 @@ class ForeignStepper(ForeignCode):
 
         The force is then -q. Raises UnsupportedCall if a system that is built in has one array, which is one state.
         """
+        adapter, n = columns_of(len(qs)) if self.adapter is BATCH else self.adapter, len(qs)
+        words, numbers = f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs]
         if self.convention.kind != MAP:
-            number, subject = self.adapter.number, self
-            if self.adapter is BATCH:
-                subject = replace(self, adapter=columns_of(len(qs)))
-            ends = subject.step_forced(lambda t, x: [-y for y in x], number(0.0), list(qs), list(vs), number(h))
-            return list(zip(ends[: len(qs)], ends[len(qs) :], strict=True))
-        if self.adapter is BATCH:
-            rows = np.array([qs, vs]).T
-            ends = self.called({STATE: rows, STEP: h, TIME: 0.0}, f"states={rows.tolist()!r}, h={h!r}", [*qs, *vs])
-            numbers = self.adapter.read(ends, rows.size)
-            return list(zip(numbers[::2], numbers[1::2], strict=True))
-        if self.adapter.with_parameters is not None:
-            record, words = self.adapter.write([qs, vs]), f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}"
-            ends = self.adapter.read(self.called({STATE: record, STEP: h, TIME: 0.0}, words, [*qs, *vs]), 2 * len(qs))
-            return list(zip(ends[: len(qs)], ends[len(qs) :], strict=True))
-        if POSITION not in self.convention.order:
+            subject = replace(self, adapter=adapter)
+            ends = subject.step_forced(lambda t, x: [-y for y in x], 0.0, list(qs), list(vs), h)
+        elif POSITION in self.convention.order:
+            write = self._of_several.write
+            roles = {POSITION: write(qs), VELOCITY: write(vs), CARRIED: write([-q for q in qs]), STEP: h, TIME: 0.0}
+            ends = [x for part in self.two_parts(self.called(roles, words, numbers)) for x in adapter.read(part, n)]
+        elif adapter is not self.adapter or adapter.with_parameters is not None:
+            state = adapter.write([qs, vs] if adapter is self.adapter else numbers)
+            ends = adapter.read(self.called({STATE: state, STEP: h, TIME: 0.0}, words, numbers), 2 * n)
+        else:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
-        write = self._of_several.write
-        roles = {POSITION: write(qs), VELOCITY: write(vs), CARRIED: write([-q for q in qs]), STEP: h, TIME: 0.0}
-        answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
-        positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
-        return list(zip(positions, velocities, strict=True))
+        return list(zip(ends[:n], ends[n:], strict=True))
 
     def step_state(self, y: Sequence[AnyNumber], h: AnyNumber, t: float = 0.0) -> list[AnyNumber]:
         """One step of its built-in system from t, whose state is one array, a record or the like, or [q..., v...]."""

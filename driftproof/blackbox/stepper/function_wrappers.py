@@ -43,12 +43,7 @@ def _function_wrapper(step: Callable[..., Any]) -> str:
         return _call(step, names, {**gradients, **common.arguments_by_role(rest, calling.FORCE)}, calling.FORCE)
     if line := _two_forces_wrapper(step, names) or _run_of_records(step, names):
         return line
-    roles = {common.plain_role(each): calling.word_of(each) for each in names if each not in calling.matrices(names)}
-    forced = common.takes_force(names) or calling.has_gradient(names) or roles.get(calling.FUNCTION) == "a"
-    of_state = calling.POSITION not in roles or (
-        calling.VELOCITY not in roles and (calling.TIME in roles or not forced)
-    )
-    kind = calling.MAP if calling.FUNCTION not in roles else calling.FIELD if of_state else calling.FORCE
+    kind = common.kind_by_names(names)
     given = common.arguments_by_role(names, kind)
     line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names)
     if kind == calling.MAP and not line and (called := with_global(step)):
@@ -116,23 +111,16 @@ def _run_of_records(step: Callable[..., Any], names: Sequence[str]) -> str:
     if len(left) != 1 or not {"force", "h"} <= {*given.values()} - {given.get(left[0])}:
         return ""
     trial = {**common.TRIAL_ARGUMENTS, "force": lambda *x: 0.0}
-
-    def called(record: Any) -> Any:
-        return step(**{each: record if each in left else trial[given[each]] for each in names})
-
     with suppress(Exception):
-        found = fields_of(step, called)
-        name, make, _, needed = found or ("", dict, (), ())
+        read = lambda record: step(**{each: record if each in left else trial[given[each]] for each in names})
+        name, make, _, needed = fields_of(step, read) or ("", dict, (), ())
         (before,) = filter(common.is_before, needed)
         (now,) = (each for each in needed if each != before)
-        end, part = called(make(**{now: 1.0, before: 0.75})), f"[{now!r}]" if make is dict else f".{now}"
-        if (end[now] if make is dict else getattr(end, now)) == 1.25:  # where nothing is pushed
-            start = f"{name}({now}=q, {before}={common.BEFORE})"
-            later = common.call_by_names(step, names, {**given, left[0]: "ys[-1]"})
-            places = [f"[y{part} for y in {row}]" for row in ("ys", "ys[1:]")]
-            return common.run_of_steps(
-                common.HEADS[calling.FORCE], start, later, found=common.WITH_SPEEDS.format(*places)
-            )
+        part, start = f"[{now!r}]" if make is dict else f".{now}", f"{name}({now}=q, {before}={common.BEFORE})"
+        later = common.call_by_names(step, names, {**given, left[0]: "ys[-1]"})
+        found = common.WITH_SPEEDS.format(*(f"[y{part} for y in {row}]" for row in ("ys", "ys[1:]")))
+        line = common.run_of_steps(common.HEADS[calling.FORCE], start, later, found=found)
+        return line if common.goes_straight(line, **{common.name_of(step): step, name: make}) else ""
     return ""
 
 

@@ -14,9 +14,9 @@ import numpy as np
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import (
-    BODY_LISTS,
     FIELD,
     FORCE,
+    FUNCTION,
     MAP,
     POSITION,
     STATE,
@@ -54,7 +54,7 @@ def kept_state_wrapper(cls: type, made: Any, advance: str, own: bool = False) ->
     line = "" if pushed else put_wrapper(cls, made, advance)
     if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
         return line
-    return _two_positions_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+    return two_states_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
 
 
 def making(cls: type, kind: str, made: Any = None) -> str:
@@ -74,37 +74,44 @@ def making(cls: type, kind: str, made: Any = None) -> str:
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
-def _two_positions_wrapper(cls: type, advance: str) -> str:
-    """The run of an object that keeps its position and the one before, and no velocity; "" if it is not one.
+def two_states_wrapper(cls: type, advance: str) -> str:
+    """The run of an object that keeps its state and the one before, and no velocity; "" if it is not one.
 
-    Of an object in space, all coordinates are the same; its force is pushed, or put where it keeps one.
+    Of an object in space, all coordinates are the same. Its force is given to it or to its method, pushed, or put where
+    it keeps one; a function of another name is a right-hand side.
     """
     with suppress(Exception):
-        names, function = required_names(cls) or [], function_argument(cls)
+        names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
         kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
         before = next(each for each in kept if common.is_before(each))
-        q = next(each for each in kept if role_of(each, (POSITION,)))
-        if any(role_of(each, (VELOCITY,)) for each in kept) or len(names_with_step(getattr(cls, advance)) or ()) != 2:
+        now = next(each for each in kept if role_of(each, (POSITION, STATE)))
+        handed = function or any(common.plain_role(each) == FUNCTION for each in taken)
+        kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD
+        given = common.arguments_by_role(taken, kind)
+        if any(role_of(each, (VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
             return ""
-        vector = type(kept[q]).__name__ if hasattr(kept[q], "x") and hasattr(kept[q], "y") else ""
-        first, whole = ("[0]", f"0 * made.{q} + ") if np.size(kept[q]) > 1 else (".x" * bool(vector), "")
+        call, cls_name = f"made.{advance}({', '.join(given[each] for each in taken)})", common.name_of(cls)
+        if kind == FIELD:
+            start = ", ".join("f" if each == function else "y" for each in names)
+            begin = f"made = {cls_name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}; "
+            later = f"({call}, [*made.{now}])[-1]"
+            line = common.run_of_steps("f, y, h", f"y, [*made.{now}]", later, begin, first=1)
+            return line if common.goes_straight(line, **{cls_name: cls}) else ""
+        vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
+        first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
         put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
         force = f"lambda p, *rest: {put(f'force(p{first})')}"
         start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {common.name_of(cls)}({start}); made.{q}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
+        begin = f"made = {cls_name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
         push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
         push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
-        if not (push or function):
+        if not (push or handed):
             return ""
-        pushed = "" if function else f"{push}force(made.{q}{first})), "
-        later = f"({pushed}made.{advance}(h), 1.0 * made.{q}{first})[-1]"
-        return common.run_of_steps(
-            common.HEADS[FORCE],
-            f"{common.BEFORE}, q",
-            later,
-            begin,
-            found=common.WITH_SPEEDS.format("ys[1:]", "ys[2:]"),
-        )
+        pushed = "" if handed else f"{push}force(made.{now}{first})), "
+        found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
+        later = f"({pushed}{call}, 1.0 * made.{now}{first})[-1]"
+        line = common.run_of_steps(common.HEADS[FORCE], f"{common.BEFORE}, q", later, begin, found=found)
+        return line if common.goes_straight(line, **{cls_name: cls, vector: type(kept[now])}) else ""
     return ""
 
 
@@ -126,19 +133,20 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', attribute_of(made, STEP)
-    taken = ["h" if common.plain_role(each) == STEP else "0.0" for each in _taken_by(made, advance)]
+    taken = _taken_by(made, advance, "h", "0.0")
+    call = f"made.{advance}({', '.join(taken)})"
     if size and "h" not in taken:
-        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}({', '.join(taken)}))"
+        act = f"lambda made, h: (setattr(made, '{size}', h), {call})"
     elif "0.0" in taken:
-        act = f"lambda made, h: made.{advance}({', '.join(taken)})"
+        act = f"lambda made, h: {call}"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
 
 def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
     """The step of an object, made anew, whose system is built in, of the time and the numbers that its step moves."""
-    taken, size, time = _taken_by(made, advance), attribute_of(made, STEP), attribute_of(made, TIME)
-    call = ", ".join("h" if common.plain_role(each) == STEP else "0.0" for each in taken)
-    put, make = f"made.{size} = h; " if size and "h" not in call else "", making(cls, MAP, made)
+    taken, size, time = _taken_by(made, advance, "h", "0.0"), attribute_of(made, STEP), attribute_of(made, TIME)
+    call = ", ".join(taken)
+    put, make = f"made.{size} = h; " if size and "h" not in taken else "", making(cls, MAP, made)
     places, put = ", ".join(f"made.{each}" for each in moved), put + f"made.{time} = t; " * bool(time)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
     puts = f"made = {makes}; {put}[{places}] = 1.0 * y; made.{advance}({call})"
@@ -156,9 +164,7 @@ def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] 
         for i, (each, x) in enumerate(known.items()):
             setattr(moved, each, _SHORT if common.plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
         before = {each: copy(getattr(moved, each)) for each in known}
-        getattr(moved, advance)(
-            *[_SHORT if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
-        )
+        getattr(moved, advance)(*_taken_by(made, advance, _SHORT, 0.0))
         rates = {
             each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if common.plain_role(each) != TIME
         }
@@ -174,41 +180,20 @@ def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
     """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
     with suppress(Exception):
         moved, kept = deepcopy(made), attributes_of(made)
-        getattr(moved, advance)(
-            *[0.25 if common.plain_role(each) == STEP else 0.0 for each in _taken_by(made, advance)]
-        )
+        getattr(moved, advance)(*_taken_by(made, advance, 0.25, 0.0))
         pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
         return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
     return None
 
 
-def _taken_by(made: Any, advance: str) -> list[str]:
-    """What a method takes besides its object, with a step size that has a default."""
+def _names_taken(made: Any, advance: str) -> list[str]:
+    """The names of what a method is given besides its object, with a step size that has a default."""
     return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
 
 
-def world_wrapper(cls: type) -> str:
-    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
-
-    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
-    """
-    held = next(iter(required_names(cls) or []), "")
-    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
-    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
-        with suppress(Exception):
-            ones = [1.0] * len(required_names(body) or [])
-            world, made = cls([body(*ones)]), body(*ones)
-            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
-            upright = push and hasattr(made, "y") and hasattr(made, "vy")
-            q, v = ("y", "vy") if upright else (attribute_of(made, POSITION), attribute_of(made, VELOCITY))
-            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
-                continue
-            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
-            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
-            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
-            options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
-            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
-    return ""
+def _taken_by(made: Any, advance: str, size: Any, other: Any) -> list[Any]:
+    """What a method is given besides its object: a step size, and `other` things."""
+    return [size if common.plain_role(each) == STEP else other for each in _names_taken(made, advance)]
 
 
 def further_names(cls: type, advance: str) -> list[str]:

@@ -137,14 +137,6 @@ def two_step_run(step: Callable[..., Any], names: Sequence[str], given: Mapping[
             pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
             later = call_by_names(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
             return run_of_steps(HEADS[kind], f"{BEFORE}, q", later, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
-    states = [each for each in names if given[each] not in ("force", "h")]
-    if kind == calling.FORCE and [given[each] for each in states] == ["q", "v", "force(q)", "ys[-2]"]:
-        with suppress(Exception):  # of the slope before, if it returns its state and both slopes in their order
-            trial = {**TRIAL_ARGUMENTS, "force(q)": 2.0, "ys[-2]": 3.0}
-            if [*step(**{each: trial[given[each]] for each in names})][3:] == [2.0]:
-                later = call_by_names(step, names, given | {each: f"ys[-1][{i}]" for i, each in enumerate(states)})
-                start, found = f"(q, v, force(q), force({BEFORE}))", "[y[0] for y in ys], [y[1] for y in ys]"
-                return run_of_steps(HEADS[kind], start, later, found=found)
     return _with_a_force(step, names) if kind == calling.MAP else ""
 
 

@@ -66,11 +66,16 @@ def plain_role(name: str) -> str | None:
     return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
 
 
-def kind_by_names(names: Iterable[str]) -> str:
-    """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
-    names = [*names]
-    roles = {plain_role(each) for each in names if each not in matrices(names)}
-    return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
+def kind_by_names(names: Sequence[str]) -> str:
+    """The kind of a step with these arguments: with a function, FORCE for a position and what is moved, else FIELD.
+
+    Without a velocity or a time, a position is moved by what has the name of a force or a gradient.
+    """
+    plain = [each for each in names if each not in matrices(names)]
+    roles = {plain_role(each) for each in plain}
+    pushed = takes_force(plain) or has_gradient(plain) or any(word_of(each) == "a" for each in plain)
+    moved = POSITION in roles and (VELOCITY in roles or (TIME not in roles and pushed))
+    return MAP if FUNCTION not in roles else FORCE if moved else FIELD
 
 
 def takes_force(names: Iterable[str]) -> bool:
@@ -160,3 +165,13 @@ def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int
     """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
     steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
     return f"def wrapped({head}, n): {begin}ys = [{states}]; {steps}; return {found}"
+
+
+def goes_straight(line: str, **scope: Any) -> bool:
+    """True if two steps of such a run, with what it names, go straight on where no force acts, or where y' = 1/2."""
+    exec(line, scope)
+    if line.startswith(f"def wrapped({HEADS[FORCE]}"):
+        found = scope["wrapped"](lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
+    else:
+        found = [y[0] for y in scope["wrapped"](lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)]
+    return [*map(float, found)] == [1.0, 1.125, 1.25]

@@ -11,7 +11,7 @@ from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.asked_functions import asked_step
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.function_wrappers import function_wrapper
-from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making, world_wrapper
+from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making
 from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, object_wrapper, owner_of
 from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
@@ -39,8 +39,6 @@ def template(step: Callable[..., Any]) -> str:
     step = owner_of(step)
     name = name_of(step)
     if inspect.isclass(step):
-        if line := world_wrapper(step):
-            return line
         makes = making(step, calling.FORCE)
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"

@@ -56,7 +56,9 @@ class QueryContext:
             return ""
         lacks = lacks or " t=10" * (self.head == "exact" and "t" not in self.query.settings)
         asked, colon, given = self.text.rstrip(" ?").partition(":")
-        if self.query.readout is None and self.head in ("step", "run", "exact"):
+        if self.query.readout is not None:
+            readout = ""  # it is told, if only in words
+        elif self.head in ("step", "run", "exact"):
             readout = readout or ("error" if self.about_problem or "lambda" in self.query.settings else "q")
         method = " with rk4" * (self.query.subject is None and self.head in ("step", "run"))
         ends = f" : {given.strip() or readout}" * bool(colon or readout)

@@ -83,7 +83,7 @@ Proof. unfold error. by_interval. Qed.
 Theorem L151 : 143 < degrees (5 / 2) < 144.
 Proof. unfold degrees. by_interval. Qed.
 
-Theorem L193 : 2.78 * error symplectic_euler (1#4) 40 10 < error symplectic_euler (1#2) 20 10
+Theorem L193 : 2.785 * error symplectic_euler (1#4) 40 10 < error symplectic_euler (1#2) 20 10
   /\ error symplectic_euler (1#2) 20 10 < 2.79 * error symplectic_euler (1#4) 40 10.
 Proof. unfold error. by_interval. Qed.
 
@@ -195,6 +195,32 @@ Proof.
       destruct (run symplectic_euler 0 n (q, v)) as [x y]. by_ring.
   - intros all. destruct (all (1, 0)) as [B within].
     destruct (proj1 (L040 h 1 0 positive) ltac:(injection; lra) B) as [n above]. specialize (within n). lra.
+Qed.
+
+(** Two runs that are back at their start after t = 12, one of a bounded step and one of a step that is not; two methods
+    of one cost; and two bounded steps that differ in energy, phase and cost. *)
+Theorem L003 :
+  (fst (run symplectic_euler 1 12 (1, 1)) == 1 /\ snd (run symplectic_euler 1 12 (1, 1)) == 1
+   /\ fst (run symplectic_euler 2 6 (1, 1)) == 1 /\ snd (run symplectic_euler 2 6 (1, 1)) == 1)%Q
+  /\ bounded symplectic_euler 1 /\ ~ bounded symplectic_euler 2
+  /\ evaluations Tables.forward_euler = evaluations symplectic_euler
+  /\ ~ bounded Tables.forward_euler (1 / 2) /\ bounded symplectic_euler (1 / 2) /\ bounded Tables.rk4 (1 / 2)
+  /\ energy (to_R (run symplectic_euler (1#2) 20 start)) < energy (to_R (run Tables.rk4 (1#2) 20 start))
+  /\ phase_error (to_R (run Tables.rk4 (1#2) 20 start)) (flow 10) < 0
+  /\ 0 < phase_error (to_R (run symplectic_euler (1#2) 20 start)) (flow 10)
+  /\ evaluations Tables.rk4 <> evaluations symplectic_euler.
+Proof.
+  split; [by_vm|]. parts.
+  - apply symplectic_bounded; lra.
+  - apply symplectic_at_2.
+  - reflexivity.
+  - apply (proj2 T04); lra.
+  - apply symplectic_bounded; lra.
+  - apply L175; [lra|]. assert (1 <= sqrt 2) by (rewrite <- sqrt_1; apply sqrt_le_1; lra). lra.
+  - by_interval.
+  - by_angle.
+  - by_angle.
+  - discriminate.
 Qed.
 
 (** What the series of the cosine and the sine leave, for h >= 0: each by the sign of the one before. *)

@@ -268,7 +268,7 @@ Proof. unfold distance; cbn [fst snd]. f_equal. ring. Qed.
     that asks for a force in vain. *)
 Definition wasteful_euler := RungeKutta (nil :: nil :: nil) (1 :: 0 :: nil)%Q.
 
-Theorem L003_L007 :
+Theorem L007 :
   let errors z := (distance z (1, 0), energy z - 1 / 2, phase_error z (1, 0)) in
   (fst (fst (errors (2, 0))) = fst (fst (errors (1, 1)))
    /\ snd (fst (errors (2, 0))) <> snd (fst (errors (1, 1))) /\ snd (errors (2, 0)) <> snd (errors (1, 1)))

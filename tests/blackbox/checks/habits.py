@@ -134,18 +134,6 @@ class Multistep:
         return q + h * v, v + h * (before - q) / 2
 
 
-class SharedMultistep(Multistep):
-    """Remembers the last force of all objects."""
-
-    everybodys = {}  # noqa: RUF012
-
-    def __init__(self):
-        self.last = self.everybodys
-
-    def __deepcopy__(self, memo):
-        return type(self)()
-
-
 class Counter:
     """Drifts with each call."""
 

@@ -13,12 +13,11 @@ from driftproof.blackbox.checks.borders import (
     bisected_neighbours,
     negligible_step,
     short_name,
-    shorter_number,
 )
 from driftproof.blackbox.checks.trials import Trial, TrialRunner, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
-from tests.blackbox.checks.habits import CAR_IN_A_VALLEY, DIVIDES_BY_H, FIXED_STEP, WRAPPED, plain
+from tests.blackbox.checks.habits import CAR_IN_A_VALLEY, DIVIDES_BY_H, WRAPPED, plain
 
 RUNNER = TrialRunner(opened(plain))
 # Halving in magnitude takes 11 tries from one end of the exponents to the other, 52 more the digits; and a round number
@@ -101,16 +100,6 @@ def test_hints_are_tried_first_and_left_if_they_are_wrong():
     assert bisected_neighbours(changed, 0.1, 1.0, RUNNER, [right]) == right
     assert len(tried) == 2
     assert bisected_neighbours(changed, 0.1, 1.0, RUNNER, [(0.5, nextafter(0.5, 1.0)), (7.0, 8.0)]) == right
-
-
-def test_of_two_neighbours_the_one_with_the_shorter_name_is_the_border():
-    assert shorter_number(nextafter(2.4, 3.0), 2.4) == 2.4
-    assert shorter_number(pi, nextafter(pi, 0.0)) == pi
-    assert shorter_number(1.0, 2.0) == 1.0
-
-
-def test_a_step_that_is_always_taken_has_none():
-    assert negligible_step(steady_runner(opened(FIXED_STEP))) is None
 
 
 def test_names_edges_and_short_steps_are_what_they_were(as_before):

@@ -139,11 +139,3 @@ def test_a_stage_counts_that_one_table_weighs_and_none_that_neither_does():
     shown = [line.split(" = ")[0] for line in report.section("Coefficients: passed").lines[1:-1]]
     assert shown == ["c", "a_explicit[1]", "a_explicit[2]", "b_explicit", "a_implicit[2]", "b_implicit"]
     assert report.section("Coefficients: passed").lines[1].startswith("c = 0, 0.4358665215084")
-
-
-@pytest.mark.slow
-def test_a_method_of_somebody_s_own_is_held_to_its_own_tables():
-    own = replace(FACTS_ONLY["ars111"], key="mine", a_implicit=((0, 0), (0, 2)), b_implicit=(-1, 2))
-    step = imex("ars111", a_implicit=((1, 1), 2.0), b_implicit=(slice(None), [-1.0, 2.0]))
-    assert verify(step, own, isolate=False).section("Coefficients: passed")
-    assert verify(imex("ars111"), own, isolate=False).passed is False

@@ -9,7 +9,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import FACTS_ONLY
 from tests.blackbox.families.linearised_steppers import floats
-from tests.blackbox.families.split_steppers import euler_pair, imex, split_in_turn, unsolved
+from tests.blackbox.families.split_steppers import imex, unsolved
 from tests.looping import some
 
 
@@ -21,17 +21,6 @@ def test_every_entry_of_both_tables_is_read():
         assert np.abs(np.array(seen) - floats(exact)).max() < reading.rounding.of(1.0)
     assert np.allclose(reading.c, floats(method.a_explicit).sum(axis=1), rtol=0, atol=1e-15)
     assert reading.curved < 1e-12
-
-
-@pytest.mark.slow
-def test_stages_are_told_apart_without_times_and_where_times_coincide():
-    assert read_imex_step(opened(euler_pair)).c is None
-    assert sorted(read_imex_step(opened(imex("ars443"))).c)[1:3] == [0.5, 0.5]
-
-
-def test_a_splitting_has_tables_too_and_its_times_are_seen():
-    reading = read_imex_step(opened(split_in_turn))
-    assert sorted(reading.c) == [0.0, 1.0]
 
 
 def test_what_is_no_such_step_is_refused_in_words():

@@ -13,12 +13,6 @@ from tests.blackbox.families import turning_steppers as codes
 from tests.blackbox.families.bounds import U, parted
 
 
-def test_where_fields_are_asked_is_read_where_they_are_functions():
-    assert read_magnetic(opened(codes.drifting)).asked == (0.5, 0.5)
-    assert read_magnetic(opened(codes.asked_at(1.0, 0.0, 1.0))).asked == (1.0, 1.0)
-    assert read_magnetic(opened(codes.boris())).asked == ()
-
-
 def test_what_is_not_linear_or_remembers_is_refused():
     with pytest.raises(NotReadable, match="relativistic"):
         read_magnetic(opened(codes.relativistic))

@@ -33,12 +33,6 @@ def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
     assert reading.near[0][0] == key
 
 
-def test_exact_fractions_lead_to_exact_facts():
-    step = Remembering("adams_bashforth2", rk4, sigma=[-1 / 4, 5 / 4, 0.0]).step
-    facts = read_recurrence(MarkedRuns.of(opened(step))).facts
-    assert (facts.order, str(facts.error_constant)) == (1, "1/4")
-
-
 def test_the_floats_of_a_method_are_its_own_fractions():
     assert MultistepFacts(FORWARD_EULER).order == FORWARD_EULER.claimed_order
     for key in some(["adams_bashforth6", "bdf6", "cowell4"]):
@@ -46,11 +40,6 @@ def test_the_floats_of_a_method_are_its_own_fractions():
         exact = Recurrence.of(method, BINARY64).exact
         assert MultistepFacts(exact).order == method.claimed_order
         assert Recurrence.of(method, BINARY64).differences(method) == ()
-
-
-def test_a_one_step_method_of_several_stages_keeps_no_recurrence():
-    with pytest.raises(NoRecurrence, match="of up to 8 steps"):
-        read_recurrence(MarkedRuns.of(opened(rk4)))
 
 
 CHANGES = {

@@ -25,13 +25,6 @@ def test_a_stepper_remembers_or_not(step, does):
     assert remembers(opened(step)) is does
 
 
-def test_the_states_of_a_run_follow_from_the_slopes_that_come_with_them():
-    for step in (euler, lambda y, f, h: y + h * f(y)):
-        run = MarkedRuns.of(opened(step)).run(12, h=0.5, t=3.0, bent=True)
-        assert np.array_equal(run.states[1:], run.states[:-1] + run.slopes[:-1])
-        assert len({*run.slopes[:, 0]}) == 13
-
-
 def test_marks_are_by_the_time_by_a_clock_or_by_the_place():
     def of_two(y, f, h):
         assert len(y) == 2

@@ -8,29 +8,8 @@ from driftproof.blackbox.findings import StepRaised, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
-from driftproof.methods.catalogue import FACTS_ONLY
-from tests.blackbox.families.linearised_steppers import floats, linearly_implicit_euler, ros2_by_hand, rosenbrock
+from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, rosenbrock
 from tests.looping import some
-
-
-@pytest.mark.parametrize("key", ["ros2", "rodas4"])
-def test_alpha_gamma_and_b_are_read_where_each_stage_has_a_call(key):
-    method = FACTS_ONLY[key]
-    read = read_rosenbrock_step(opened(rosenbrock(key))).table
-    for seen, exact in some(zip(read, (method.alpha, method.gamma, [method.b]), strict=True)):
-        assert np.allclose(seen, floats(exact), rtol=0, atol=1e-11)  # least squares of some dozen numbers up to 10
-
-
-@pytest.mark.parametrize(("way", "by"), [("function", "a function"), ("differences", "differences"), ("none", "")])
-def test_how_the_derivative_by_t_is_had_is_seen(way, by):
-    reading = read_rosenbrock_step(opened(rosenbrock("ros3p", time_slope=way)))
-    assert (reading.by, reading.time_slope is None) == (by, by == "")
-
-
-def test_no_time_is_no_node_and_the_place_of_the_jacobian_is_told():
-    assert read_rosenbrock_step(opened(ros2_by_hand)).nodes is None
-    assert read_rosenbrock_step(opened(linearly_implicit_euler)).jacobian_at == (0.0, 0.0)
-    assert read_rosenbrock_step(opened(rosenbrock("ros2", at_end=True))).jacobian_at == (1.0, 0.0)
 
 
 def test_a_step_in_binary32_is_read_to_its_own_rounding():

@@ -41,10 +41,6 @@ def found(step, **options):
     return agreement(opened(step), Specification(METHODS["symplectic_euler"], **options), FEW)
 
 
-def test_a_cap_is_not_met_in_a_domain_that_ends_before_it():
-    assert found(capped, domain=Domain(largest_state=30.0)).holds
-
-
 @pytest.mark.parametrize(("array", "largest"), [(np.float32, 0.39), (np.float32, 1.67), (np.float16, 0.92)])
 def test_states_in_rows_are_numbers_of_the_format_in_every_domain(array, largest):
     subject = opened(lambda q, v, h: (q + h * v, v - h * q), array=array)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import StepRaised, UnsupportedCall
+from driftproof.blackbox.findings import StepRaised
 from driftproof.blackbox.judging.measured_order import measured_orders, power_of_errors
 from driftproof.blackbox.judging.nonlinear_problems import START
 from driftproof.blackbox.judging.specification import Domain, Specification
@@ -100,11 +100,6 @@ def test_no_method_is_seen_with_a_lower_order_than_its_own(method, as_before):
     as_before(*shortened([found.words for found in seen], method in TOLD))
     assert len(orders) == 3
     assert min(order for order in (*orders, 99) if order is not None) >= METHODS[method].claimed_order
-
-
-def test_a_built_in_system_is_not_asked():
-    with pytest.raises(UnsupportedCall):
-        measured_orders(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from driftproof.blackbox.judging.nonlinear_problems import (
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.dragged_steppers import of_stages, semi_implicit
-from tests.looping import exactly
 
 
 def rk4_of_two(f, t, y, h):
@@ -86,10 +85,6 @@ def test_every_slope_depends_on_the_time_and_on_other_numbers():
         assert (problem.rate(0.25, moved)[i] != problem.rate(0.25, y)[i]) == ((j - i) % 4 < 3)
 
 
-def test_a_stopped_clock_is_a_clock():
-    assert "with t" in field_problem(opened(codes.rk4_on_a_stopped_clock)).words
-
-
 def test_a_code_that_takes_none_of_the_sizes_is_not_asked():
     subject = opened(codes.euler)
     subject.function = lambda f, t, y, h: None
@@ -97,15 +92,6 @@ def test_a_code_that_takes_none_of_the_sizes_is_not_asked():
         field_problem(subject)
     with pytest.raises(UnsupportedCall):
         field_problem(opened(codes.velocity_verlet))
-
-
-def test_every_force_of_a_coupled_problem_depends_on_the_time_and_on_the_other_position():
-    for problem in exactly(2, (pushed(2, timed=True), pushed(3, timed=False))):
-        q = [0.5, 0.75, 0.25][: problem.positions]
-        here = problem.force(0.25, q)
-        later = problem.force(0.5, [*q[:2], 0.5][: problem.positions])
-        moved = [problem.force(0.25, [x + 0.125 * (i == j) for i, x in enumerate(q)]) for j in range(2)]
-        assert all(other[i] != here[i] for other in (later, *moved) for i in range(2))
 
 
 def test_a_step_that_goes_far_meets_no_force_beyond_that_of_the_largest_exponent():

@@ -30,7 +30,7 @@ def rk4_with(slope=None, base=None, end=None):
         k1 = f(t, y)
         k2 = f(t + h / 2, y + h / 2 * k1)
         y3 = (base(y, h, k2) if base else y) + h / 2 * k2
-        k3 = f(t + h / 2, y3) if slope is None else slope(f, t, y, h, k1, k2)
+        k3 = f(t + h / 2, y3) if slope is None else slope(f, t, y, h, k2)
         k4 = f(t + h, (base(y, h, k2) if base else y) + h * k3)
         total = (k1 + 2 * k2 + 2 * k3 + k4) / 6
         return y + h * total if end is None else end(y, h, total)
@@ -38,13 +38,13 @@ def rk4_with(slope=None, base=None, end=None):
     return step
 
 
-def verlet(drift=lambda q, v, old, h: q + h * v, kick=lambda v, a, h: v + h / 2 * a, stale=False):
-    """Velocity Verlet with another drift, with another last kick, or with the first force twice."""
+def verlet(kick=lambda v, a, h: v + h / 2 * a, stale=False):
+    """Velocity Verlet with another last kick, or with the first force twice."""
 
     def step(q, v, h):
-        a, old = -q, v
+        a = -q
         v = v + h / 2 * a
-        q = drift(q, v, old, h)
+        q = q + h * v
         return q, kick(v, a if stale else -q, h)
 
     return step
@@ -59,9 +59,8 @@ def nystrom4_with_new_velocity(force, q, v, h):
 
 
 WRONG = {
-    "reused": (rk4_with(slope=lambda f, t, y, h, k1, k2: k2), "rk4"),
-    "of k1": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h / 2 * k1)), "rk4"),
-    "twice as far": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)), "rk4"),
+    "reused": (rk4_with(slope=lambda f, t, y, h, k2: k2), "rk4"),
+    "twice as far": (rk4_with(slope=lambda f, t, y, h, k2: f(t, y + h * k2)), "rk4"),
     "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4"),
     "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4"),
     "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4"),
@@ -69,10 +68,8 @@ WRONG = {
     "q left": (rk4_with(end=lambda y, h, k: [y[0], (y + h * k)[1]]), "rk4"),
     "in turn": (codes.composed([("drift", 1), ("kick", 1)]), "forward_euler"),
     "stale": (verlet(stale=True), "velocity_verlet"),
-    "old v": (verlet(drift=lambda q, v, old, h: q + h * old), "velocity_verlet"),
     "exchanged": (codes.symplectic_euler, "symplectic_euler_position_first"),
     "exchanged before a third": (codes.composed([("drift", 1), ("kick", 0.5), ("kick", 0.5)]), "velocity_verlet"),
-    "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet"),
     "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet"),
     "new velocity": (nystrom4_with_new_velocity, "nystrom4"),
     "drifted too far": (codes.composed([("drift", 0.5), ("kick", 1), ("drift", 0.625)]), "position_verlet"),

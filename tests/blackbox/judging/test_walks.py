@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftproof import verify
-from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import driven
 from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
 from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, there_and_back, walked
@@ -185,14 +183,3 @@ def test_few_steps_back_are_asked_for_where_those_ahead_are_right(as_before):
         found = back_and_on(opened(asked.code), RK4), there_and_back(Walker(opened(again.code), RK4))
         said += [tuple(found[0]), asked, tuple(found[1]), again]
     as_before(*said)
-
-
-def test_a_built_in_system_is_not_walked():
-    with pytest.raises(UnsupportedCall):
-        walked(opened(lambda q, v, h: (q + h * v, v - h * q)), EULER)
-
-
-def test_the_verdict_says_that_it_is_the_method_but_not_everywhere():
-    report = verify(WRONG["the last of five"][0], "rk4", examples=20, isolate=False)
-    assert report.passed is False
-    assert report.verdict.startswith("is rk4, but not everywhere: with 5 components it takes a different step: in a")

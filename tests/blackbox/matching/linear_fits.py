@@ -48,14 +48,3 @@ VARIANTS = [
         "velocity-first symplectic Euler, but the position moves by 0.5 h v",
     ),
 ]
-
-
-def like_rk4(fourth: float):
-    """RK4's matrix with another coefficient of h^4 in M_qq."""
-
-    def step(q, v, h):
-        s = h * h
-        sine = h * (1 - s / 6)
-        return (1 - s / 2 + s * s * fourth) * q + sine * v, (1 - s / 2 + s * s / 24) * v - sine * q
-
-    return step

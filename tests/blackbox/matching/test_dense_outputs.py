@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof import identify, verify
+from driftproof import verify
 from driftproof.blackbox.matching.dense_outputs import judged_dense, judged_reading
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -122,14 +122,3 @@ def test_a_dense_output_that_is_no_sum_of_slopes_alike_in_all_numbers_leaves_it_
     assert report.passed is None
     assert words in report.section("Dense output: undecided").lines[0]
     assert report.section("What would decide it").lines[0].startswith("dense output: a dense output that is a sum of ")
-
-
-@pytest.mark.slow
-def test_reports_have_a_section_for_it():
-    step = extension_step("dormand_prince54_shampine")
-    assert identify(step, isolate=False).section("Dense output").lines[0].startswith("dormand_prince54_shampine")
-    report = verify(step, "dormand_prince54", examples=20, isolate=False)
-    assert report.passed
-    assert report.data["dense_output"]["order"] == 4
-    wrong = verify(WRONG["moved too early"], "dormand_prince54", examples=20, isolate=False)
-    assert wrong.verdict.startswith("is dormand_prince54, but the dense output is not y1 at theta = 1")

@@ -48,16 +48,6 @@ def test_an_empty_interval_is_refused():
         simplest_in(Q(1), Q(0))
 
 
-@pytest.mark.parametrize("x", [Q(1, 24), Q(-13649, 6), Q(35, 384), Q(22, 7), Q(0), Q(10**6)])
-def test_a_double_is_read_as_the_fraction_that_it_was_rounded_from(x):
-    assert simple_rational(float(x), abs(float(x)) * 2.0**-53) == x
-
-
-@pytest.mark.parametrize("x", [2**0.5, 1 / 24 + 1e-10, 0.7390851332151607])
-def test_a_double_that_is_no_simple_fraction_is_read_as_none(x):
-    assert simple_rational(x, x * 2.0**-53) is None
-
-
 def test_numbers_are_shown_as_people_write_them():
     million = 10**6
     numbers = Q(1, 25), Q(1, 3), Q(million), Q(-2), Q(2**0.5), Q(1234567, million - 1), Q(1234567, million)

@@ -8,14 +8,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.estimate import ABSOLUTE, DIFFERENCE, NORM, SOLUTION, read_estimate
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.objects import field_stepper_of
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from tests.blackbox.handwritten_steppers import rk4
 from tests.blackbox.pair_steppers import pair_step
 from tests.blackbox.transcripts import Asked
 
@@ -129,11 +128,6 @@ def test_a_pair_that_steps_no_way_back_is_read_and_one_that_steps_ahead_at_times
 def test_an_estimate_that_is_halved_at_large_states_is_wrong_there_and_not_relative():
     found = read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, error / (1 + (max(abs(y)) > 4)))))
     assert (found.relative, found.fault[:18]) == (False, "with another start")
-
-
-def test_without_a_second_answer_there_is_nothing_to_read():
-    with pytest.raises(UnsupportedCall, match="returns nothing besides y1"):
-        read(rk4)
 
 
 def test_an_object_keeps_its_estimate_in_an_attribute():

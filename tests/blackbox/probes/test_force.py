@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading, _Probe, _Run, read_forces
 from driftproof.blackbox.probes.scripted_answers import Control, NotReadable, Rounding
 from driftproof.blackbox.stepper.opening import opened
@@ -182,8 +181,3 @@ def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(nodes, drift, 
         times = [-7 - 0.5 * nodes[0], -7 - 0.5 * nodes[1] + off]
         monkeypatch.setattr(probe, "_controlled", lambda control, times=times: _Run([], 0.0, 0.0, times, []))
         assert (probe._wrong_time(reading, control) == "") is held
-
-
-def test_a_map_has_no_force():
-    with pytest.raises(UnsupportedCall):
-        read_forces(opened(lambda q, v, h: (q + h * v, v - h * q)))

@@ -107,13 +107,6 @@ def test_stages_that_only_a_nonlinear_step_tells_apart_are_not_read_as_one(solve
     assert the_same(read(one_by_one(BOTH_AT_START, solver)), BOTH_AT_START, 1e-9)
 
 
-@pytest.mark.parametrize("key", ["trapezoid", "radau_iia2"])
-def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key):
-    reading = read(untimed(all_at_once(table(key))))
-    assert reading.c is None
-    assert match_tableau(reading).keys[0] == key
-
-
 def ending_at_a_slope_of_0(key, node, solver=newton):
     """The method, but for a state that stays where the first guess of a stage has the slope 0."""
     step = all_at_once(table(key), solver)

@@ -11,23 +11,6 @@ from driftproof.symbolic.rounding.formats import BINARY64
 ROUNDING = Rounding(BINARY64, 4)
 
 
-def test_a_script_answers_in_its_order_and_keeps_what_it_was_asked():
-    script = scripted.Script([1.0, 2.0], 0.0)
-    assert [script(place) for place in "abc"] == [1.0, 2.0, 0.0]
-    assert script.calls == ["a", "b", "c"]
-
-
-def test_a_step_of_too_many_calls_is_ended():
-    with pytest.raises(NotReadable, match=f"more than {scripted.MOST_CALLS} calls"):
-        scripted.result_of(lambda: [*map(scripted.Script([], 0.0), range(scripted.MOST_CALLS + 1))])
-
-
-def test_answers_are_powers_of_two_of_both_signs():
-    assert scripted.unit(3, 1) == [0.0, 1.0, 0.0]
-    assert {abs(x) for x in scripted.varied(20, 1)} == {0.25, 0.5, 1.0, 2.0, 4.0}
-    assert {x > 0 for x in scripted.varied(20, 1)} == {True, False}
-
-
 @pytest.mark.parametrize(("limit", "found"), [(1.0, 1.0), (0.5, 2.0**-5), (0.01, 2.0**-10)])
 def test_a_limit_leads_to_smaller_numbers_and_a_remark(limit, found):
     def read(size):
@@ -53,14 +36,6 @@ def test_what_differs_by_more_than_rounding_is_refused():
         scripted.require_same(Rounding(BINARY64, 1), [], [1.0])
     with pytest.raises(NotReadable, match="4, then 5"):
         scripted.require_calls(4, 5)
-
-
-@pytest.mark.parametrize(("calls", "besides", "size", "found"), [
-    (0, 0.0, 3.0, 8 * (3 * 2.0**-53)), (3, 0.0, 0.5, 20 * 2.0**-54), (1, 1e-6, 0.25, 1e-6 + 3 * 2.0**-53),
-    (1, 1e-6, 4.0, 4e-6 + 48 * 2.0**-53), (3, 0.0, 0.0, 20 * 2.0**-1074),
-])  # fmt: skip
-def test_so_far_rounding_may_carry_a_number_of_a_step(calls, besides, size, found):
-    assert Rounding(BINARY64, calls, besides).of(size) == pytest.approx(found, rel=1e-15, abs=2.0**-1074)
 
 
 # More than a thousandth, 2**-10, of the larger number is what a limit takes away.

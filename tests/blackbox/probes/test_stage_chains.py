@@ -15,14 +15,6 @@ def chains_of(key):
     return StageChains(steps, steps.marks(0))
 
 
-def test_a_table_is_read_of_one_function_and_holds_its_own_control():
-    chains = chains_of("radau_iia2")
-    (a,), (b,), c = chains.tables()
-    assert [round(12 * x) for row in a for x in row] == [5, -1, 9, 3]
-    assert (round(4 * b[0]), round(4 * b[1]), c) == (3, 1, (1 / 3, 1.0))
-    chains.require_chain((a,), (b,), Rounding(BINARY64, 2, 4 * chains.left))
-
-
 # For Gauss' rule, whose rows of |A| and b sum up to less than 1, and for Lobatto's with larger entries.
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("besides", [0.0, 1e-6, 1e-4])

@@ -9,7 +9,7 @@ from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import BACKWARD, CONTROLS, NotReadable
 from driftproof.blackbox.probes.stage_solutions import StageEquations, _power
-from driftproof.blackbox.probes.tableau import NO_POWER, StageSolution
+from driftproof.blackbox.probes.tableau import NO_POWER
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, newton, one_by_one, simplified, table
 from tests.looping import some
@@ -75,10 +75,3 @@ def test_other_coefficients_than_those_read_are_noticed_by_every_control():
         assert right.require_solved(control) < 1e-13
         with pytest.raises(NotReadable, match=f"with {control.name}, the step is off by "):
             wrong.require_solved(control)
-
-
-def test_words_name_what_is_seen():
-    assert StageSolution(1e-9, 1e-12).words == "its stages are solved to 1.0e-09, also on nonlinear problems"
-    assert StageSolution(0.0, 0.1, 5).words.endswith(
-        "like the power 5 of the nonlinearity, as after 5 with one Jacobian"
-    )

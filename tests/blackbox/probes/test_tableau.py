@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import Control, NotReadable, Rounding
 from driftproof.blackbox.probes.tableau import ScriptedStep, TableauProbe, read_tableau
 from driftproof.blackbox.stepper.opening import opened
@@ -158,9 +158,3 @@ def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(place, share, 
         probe._compare(reading, control, y, slopes, seen)
         probe._compare_times(reading.c, control, ScriptedStep(times, [], []))
     assert replace(reading, stage_error=2.0**-30).rounding == Rounding(BINARY64, 2, 2.0**-28)
-
-
-def test_other_conventions_have_no_right_hand_side():
-    for step in (codes.velocity_verlet, lambda q, v, h: (q + h * v, v - h * q)):
-        with pytest.raises(UnsupportedCall):
-            read_tableau(opened(step))

@@ -146,13 +146,6 @@ HELD = {
 }
 
 
-def test_what_a_right_solver_does_where_f_is_nan_is_a_remark_for_every_command():
-    found = identify_solver(HELD["silent"][0], isolate=False)
-    assert found.data["faults"] == []
-    assert found.data["remarks"][0].startswith("where f becomes NaN")
-    assert "; remark: where f becomes NaN" in found.verdict
-
-
 @pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", HELD)
 def test_a_solver_is_held_to_the_method_that_it_should_advance(name):

@@ -56,10 +56,6 @@ def of_sided(state: Sided, dt):
     return state._replace(x=state.x + dt * state.v, v=state.v - dt * state.x)
 
 
-def of_keyed(state: Keyed, dt):
-    return {"p": state["p"] - dt * state["q"], "q": state["q"] + dt * state["p"]}
-
-
 def of_colour(state: Colour, dt):
     return Colour(state.red + dt, state.green, state.blue)
 
@@ -70,16 +66,6 @@ def of_nobody(state: Nobody, dt):  # noqa: F821
 
 def of_keys_into_a_record(state, dt: float) -> Sided:
     return Sided(state["x"] + dt * state["v"], state["v"] - dt * state["x"])
-
-
-def of_attributes(state, dt):
-    state.x, state.v = state.x + dt * state.v, state.v - dt * state.x
-    return state
-
-
-def of_another_order(state, dt):
-    q, v = state["position"], state["velocity"]
-    return {"velocity": v - dt * q, "position": q + dt * v}
 
 
 of_numbered_keys = lambda state, dt: {0: state[0] + dt * state[1], 1: state[1] - dt * state[0]}
@@ -101,19 +87,9 @@ def of_scalar_tensors(force, q, v, h):
     return q + h * v, v + h * force(q)
 
 
-def of_two_bodies(force, q, v, h):
-    assert np.shape(q) == (1, 3)
-    return q + h * v, v + h * force(q)
-
-
 def of_vectors(force, q, v, h):
     assert np.shape(q) == (3,)
     return q + h * v, v + h * force(q)
-
-
-def of_rows(f, t, y, h):
-    assert np.ndim(y) == 2
-    return y + h * f(t, y)
 
 
 def of_one_number(f, t, y, k1, h):
@@ -134,33 +110,6 @@ handing_on_nothing = lambda f, t, y, k1, h: (y + h * f(t, y),)
 to_rest = lambda q, v, h: (0.0 * q, 0.0 * v)
 increment_of_a_state = lambda y, h: h * np.array([y[1], -y[0]])
 increment_of_a_field = lambda f, t, y, h: h * f(t, y)
-
-
-class Stepper:
-    """Made of nothing, holds a state."""
-
-    def __init__(self):
-        self.y, self._hidden = [0.0, 0.0], 1
-
-    def advance(self, dt):
-        self.y = [self.y[0] + dt * self.y[1], self.y[1] - dt * self.y[0]]
-
-
-class OfTwo:
-    """Made of two, holds a position and a velocity."""
-
-    def __init__(self, force, mass):
-        self.x, self.v, self.force = 0.0, 0.0, force
-
-    def tick(self, dt):
-        self.x += dt * self.v
-
-
-class WithoutAttributes:
-    __slots__ = ()
-
-    def do_step(self, dt):
-        return None
 
 
 class OfRates:
@@ -216,9 +165,6 @@ for _name in ("Clocked", "Pair", "Sided", "Keyed", "Colour"):
 for _name, _step in ODD.items():
     _step.__qualname__ = _name
 ODD |= {
-    "a method of an object": Stepper().advance,
-    "a method of two": OfTwo(abs, 1.0).tick,
-    "a method without attributes": WithoutAttributes().do_step,
     "a method of other arguments": WithArguments().step,
     "no name": type("Odd", (), {"__call__": lambda self, alpha, beta: None})(),
     "None": lambda q, v, h: None,

@@ -19,13 +19,6 @@ class Solver:
             u.append(u[n] + (t[1] - t[0]) * np.asarray(self.f(t[n], u[n])))
         return t, np.array(u)
 
-class OfTimes(Solver):
-    def solve(self, time_points, terminate=None):
-        self.t, self.u = np.asarray(time_points), [self.u0]
-        for n, dt in enumerate(np.diff(self.t)):
-            self.u.append(self.u[n] + dt * np.asarray(self.f(self.t[n], self.u[n])))
-        return np.array(self.u), self.t
-
 class Quiet:
     def __init__(self, f, y0):
         self.f, self.y0 = f, np.array(y0, float)
@@ -84,12 +77,12 @@ class Bashforths(Butterfly):
 
 class Bob:
     def __init__(self, length, dt):
-        self.theta, self.omega, self.length, self.dt = 0.5, 0.0, length, dt
+        self.theta, self.omega, self.length, self.dt, self.swings = 0.5, 0.0, length, dt, 0
     def acceleration(self):
         return -9.81 / self.length * np.sin(self.theta)
     def update(self):
         self.omega += self.dt * self.acceleration()
-        self.theta += self.dt * self.omega
+        self.theta, self.swings = self.theta + self.dt * self.omega, self.swings + 1
 
 class Ball:
     def __init__(self, x, y):
@@ -136,10 +129,6 @@ LINES = {
         "f, t, y, h): made = Solver(f); made.set_initial_condition(y); return made.solve([t, t + h], 1)[1][-1]",
         "forward_euler",
     ),
-    "OfTimes": (
-        "f, t, y, h): made = OfTimes(f); made.set_initial_condition(y); return made.solve([t, t + h])[0][-1]",
-        "forward_euler",
-    ),
     "Quiet": (
         "f, t, y, h): made = Quiet(f, y); made.run(t, t + h, 1); return (made.t, made.y)[1][-1]",
         "forward_euler",
@@ -152,10 +141,6 @@ LINES = {
         "f, t, y, h, n): made = BashforthOverTimes(f); made.set_initial_condition(y); "
         "return made.solve([t + i * h for i in range(n + 1)])[0]",
         "adams_bashforth2",
-    ),
-    "Butterfly": (
-        "f, y, h): made = Butterfly(); made.state, made.dt, made.deriv = y, h, f; made.step(); return made.state",
-        "heun2",
     ),
     "Bashforths": (
         "f, y, h, n): made = Bashforths(); made.state, made.dt, made.deriv = y, h, f; ys = [y]; "

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
-from driftproof.blackbox.stepper.foreign_code import size_of
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper import euler_steps
 from tests.looping import exactly
@@ -39,10 +38,6 @@ def test_a_jacobian_by_complex_steps_is_answered_and_other_complex_states_are_no
     assert np.abs(seen[-1] - [[5.0, 4.0], [-3.0, 0.0]]).max() < 1e-5
     with pytest.raises(NotANumber, match="at ndarray with entries of type complex128"):
         opened(lambda f, t, y, h: step(f, t, y, h, by=1e-3j), "field")
-
-
-def test_what_is_no_array_of_numbers_is_counted_as_one():
-    assert (size_of([1.0, 2.0, 3.0]), size_of("three"), size_of(None)) == (3, 1, 1)
 
 
 def test_nan_in_an_argument_is_no_change_of_it():

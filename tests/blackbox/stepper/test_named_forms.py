@@ -19,14 +19,6 @@ def of_a_wrong_sign(q, p, dt, dVdq, dTdp):
     return of_two_gradients(q, p, dt, dVdq, dTdp, last=1)
 
 
-def of_a_differential(q, p, dU, h):
-    return of_two_gradients(q, p, h, dU, lambda p: p)
-
-
-def of_a_force_for_it(q, p, dU, h):
-    return of_two_gradients(q, p, h, lambda q: -dU(q), lambda p: p)
-
-
 def as_in_fortran(neq, x, ystart, step, derivs, yout, last=1):
     d1 = derivs(x, ystart)
     d2 = derivs(x + step / 2, ystart + step / 2 * d1)
@@ -61,7 +53,6 @@ def mass_forgotten(x, v_half, forces, inv_mass, dt):
 
 HELD = [
     (of_two_gradients, "velocity_verlet", ""), (of_a_wrong_sign, "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
-    (of_a_differential, "velocity_verlet", ""), (of_a_force_for_it, "velocity_verlet", "all kicks times -1"),
     (as_in_fortran, "rk4", ""), (at_a_wrong_time, "rk4", "c[3]: 1/2 instead of 1"),
     (of_two_velocities, "symplectic_euler", ""), (of_the_old_velocity, "symplectic_euler", "it is forward_euler"),
     (of_half_steps, "symplectic_euler", ""), (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),

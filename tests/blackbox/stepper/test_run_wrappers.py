@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from driftproof import identify
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.run_wrappers import list_wrapper
@@ -23,20 +22,6 @@ def positions(acc, x0, v0, dt, n):
     for _ in range(n - 1):
         found.append(2 * found[-1] - found[-2] + dt**2 * acc(found[-1]))
     return np.array(found)
-
-def rows_of_positions(acc, x0, v0, dt, n):
-    found = np.zeros((n + 1, len(x0)))
-    found[:2] = x0, x0 + dt * v0 + dt**2 / 2 * acc(x0)
-    for i in range(1, n):
-        found[i + 1] = 2 * found[i] - found[i - 1] + dt**2 * acc(found[i])
-    return found
-
-def simulate(f, y0, t0, t_end, dt):
-    times, states = [t0], [y0]
-    for _ in range(round((t_end - t0) / dt)):
-        states.append(states[-1] + dt * f(times[-1], states[-1]))
-        times.append(times[-1] + dt)
-    return np.array(times), np.array(states)
 
 def from_zero(f, U_0, dt, T):
     u = np.zeros((round(T / dt) + 1, len(U_0)))
@@ -59,16 +44,6 @@ def in_pairs(f, x0, y0, x_end, n):
         found.append((x0 + (i + 1) * h, list(y0)))
     return found
 
-def euler_cromer(x0, v0, omega, dt, T):
-    x, v = np.full(round(T / dt) + 1, x0), np.full(round(T / dt) + 1, v0)
-    for n in range(len(x) - 1):
-        v[n + 1] = v[n] - dt * omega**2 * x[n]
-        x[n + 1] = x[n] + dt * v[n + 1]
-    return np.linspace(0, T, len(x)), x, v
-
-def of_interval(func, y, t0, t1, args):
-    return y + (t1 - t0) * func(t0, y, args)
-
 def over_a_grid(fun, x0, iv, args=()):
     x = [np.asarray(x0)]
     for t, dt in zip(iv, np.diff(iv)):
@@ -86,15 +61,6 @@ def to_an_end(dydx, x, y, x_end, h):
     while x < x_end - 1e-12:
         x, y = x + h, y + h * dydx(x, y)
     return y
-
-def in_n_steps(f, x0, y0, xn, n):
-    h = (xn - x0) / n
-    for i in range(n):
-        y0 = y0 + h * f(x0 + i * h, y0)
-    return y0
-
-def coupled(f, g, t, x, v, h):
-    return x + h * f(t, x, v), v + h * g(t, x, v)
 
 def coupled_xy(f, g, t, x, y, h):
     return x + h * f(t, x, y), y + h * g(t, x, y)
@@ -126,14 +92,6 @@ def after_two_steps(f, t0, tf, y0, N):
     for i in range(2, N):
         a, b, c = (f(t[j], y[j]) for j in (i, i - 1, i - 2))
         y[i + 1] = y[i] + h / 12 * (23 * a - 16 * b + 5 * c)
-    return t, y
-
-def of_span(f, tspan, y0, n):
-    t, dt = np.linspace(tspan[0], tspan[1], n + 1, retstep=True)
-    y = np.zeros((n + 1, np.size(y0)))
-    y[0] = y0
-    for i in range(n):
-        y[i + 1] = y[i] + dt * f(t[i], y[i])
     return t, y
 
 def march(f, t0, y0, t_end, h):
@@ -185,16 +143,12 @@ FORCED, EULER, FORWARD = "force, q, v, h", "symplectic_euler", "forward_euler"
 PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
     "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, ys[-2], ys[-1])"), "stormer2"),
-    "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", FORWARD),
     "from_zero": ("f, t, y, h", "return from_zero(lambda y, s: f(t + s, y), y, h, h)[0][-1]", FORWARD),
     "by_name": ("f, t, y, h", "return by_name(lambda s, y: f(t + s, y), y, h, h)['y'][-1]", FORWARD),
     "in_pairs": ("f, t, y, h", "return in_pairs(f, t, y, t + h, 1)[-1][1]", FORWARD),
-    "euler_cromer": ("q, v, h", "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]", EULER),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),
     "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
-    "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", FORWARD),
-    "coupled": ("f, t, y, h", COUPLED.format("coupled", 1, 2, "t, y[0], y[1], h"), FORWARD),
     "coupled_xy": ("f, t, y, h", COUPLED.format("coupled_xy", 1, 2, "t, y[0], y[1], h"), FORWARD),
     "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
@@ -202,7 +156,6 @@ PASTED = {
         *("f, t, y, h, n", "return bashforth_from_zero(lambda s, y: f(t + s, y), y, n * h, n)", "adams_bashforth2"),
     ),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
-    "of_span": ("f, t, y, h", "return of_span(f, [t, t + h], y, 1)[1][-1]", FORWARD),
     "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
     "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
     "of_module": ("f, t, y, h", 'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)', "forward_euler"),
@@ -213,8 +166,6 @@ PASTED = {
         "velocity_verlet",
     ),
     "positions": (f"{FORCED}, n", DIFFERENCES.format("positions"), "stormer2"),
-    "rows_of_positions": (f"{FORCED}, n", DIFFERENCES.format("rows_of_positions"), "stormer2"),
-    "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", FORWARD),
     "with_parameters": ("f, t, y, h", "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)", FORWARD),
 }
 
@@ -273,18 +224,3 @@ def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_f
     line = wrapper_line(lambda x, x_old, dt: x_old)
     assert line.startswith(": def step(force, x, x_old, dt): ...  # a method of two steps is read if")
     assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
-
-
-BEEMAN = """
-def beeman(x, v, a, a_prev, force, dt):
-    x1 = x + v * dt + (4 * a - a_prev) * dt**2 / 6
-    a1 = force(x1)
-    return x1, v + (2 * a1 + 5 * a - a_prev) * dt / 6, a1, a
-"""
-
-
-@pytest.mark.parametrize("right", [True, False])
-def test_a_step_that_takes_and_returns_two_accelerations_is_shown_a_run(right):
-    names = namespace(BEEMAN if right else BEEMAN.replace("4 * a", "3 * a"))
-    pasted(names, "beeman")
-    assert ("it is stormer2" in identify(names["wrapped"], isolate=False).verdict) == right

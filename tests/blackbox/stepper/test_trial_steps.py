@@ -5,7 +5,7 @@ import pytest
 
 from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.trial_steps import LONGER, TRIAL_STATE, TRIAL_STEP
+from driftproof.blackbox.stepper.trial_steps import TRIAL_STATE, TRIAL_STEP
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 
 
@@ -18,19 +18,6 @@ def test_precision_is_that_of_the_answers_to_a_trial():
     assert opened(lambda f, t, y, h: np.float32(1) * step(f, t, y, h).astype(np.float32)).format is BINARY32
     again, end = opened(step).begun
     assert list(end) == list(again(opened(step))) == [1.0 + TRIAL_STEP * 0.75, 0.75 - TRIAL_STEP * TRIAL_STATE[0]]
-
-
-def started(f, y, h, n):
-    """A run that needs a history."""
-    if n < 4:
-        raise ValueError("at least four steps")
-    for _ in range(n):
-        y = y + h * f(0.0, y)
-    return y
-
-
-def test_a_run_that_needs_more_steps_is_tried_with_more():
-    assert opened(started).shortest == LONGER
 
 
 def stale(force, q, v, a, h):

@@ -21,7 +21,7 @@ def timed_turn(t, q, omega, dt):
     return codes.quaternion("rk4")(q, omega + t, dt)
 
 
-@pytest.mark.parametrize("step", [timed, codes.by_ratio, codes.solved, codes.in_place, codes.in_rows])
+@pytest.mark.parametrize("step", [timed, codes.by_ratio, codes.in_place, codes.in_rows])
 def test_every_style_moves_as_the_plain_one(step):
     said, seen = step_in_fields(opened(codes.boris()), PUSH), step_in_fields(opened(step), PUSH)
     assert (seen.x, seen.v) == (pytest.approx(said.x, abs=1e-14), pytest.approx(said.v, abs=1e-14))

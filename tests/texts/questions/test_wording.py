@@ -197,6 +197,7 @@ LACKING = {
     "RK4 y'=-y, y(0)=1": " h=0.1 t=1 : error", "y' = 2, y(0)=1": " with rk4 h=0.1 t=1 : error",
     "run rk4 problem=pendulum h=0.1 t=1": " : y0", "run rk4 lambda=-2 h=0.1": " N=10 : error",
     "RK4 error of y'=-y, y(0)=1": " h=0.1 t=1", "exact solution": " t=10 : q", "phase error of RK4 t=1": " N=10",
+    "error of ab2 with h=0.1 at t=1 on y'=-y, y(0)=1": " started=rk4",
 }  # fmt: skip
 
 
