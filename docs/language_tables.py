@@ -54,7 +54,7 @@ def questions_of(*names: str) -> list[str]:
 
 
 TABLES: dict[str, Callable[[Sequence[Sequence[str]]], Rows]] = {
-    **dict.fromkeys(("runs", "facts", "arithmetic", "bounds"), answers),
+    **dict.fromkeys(("runs", "facts", "arithmetic"), answers),
     "roundings": roundings,
     "refusals": refusals,
 }

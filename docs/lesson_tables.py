@@ -58,7 +58,7 @@ def unnoticed(document: Document, outcome: CheckedClaim) -> list[tuple[int, str]
 
     The claim holds of the text as it is, so that one occurrence more or less refutes it.
     """
-    phrase = outcome.claim.phrase.exact(outcome.claim.spellings(), outcome.claim.ignore_case)
+    phrase = outcome.claim.phrase.exact(outcome.claim.spellings())
 
     @cache
     def count(at: int, digit: str) -> int:

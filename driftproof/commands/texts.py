@@ -17,7 +17,7 @@ from driftproof.commands import arguments as cli
     cli.rounding_option("how ties are rounded (default: a tie is an error)"),
 )
 def render_command(options: Namespace) -> str:
-    """Render a Jinja2 template, in a sandbox, with proved values and tables of methods in it.
+    """Render a Jinja2 template, in a sandbox, with proved values in it.
     Needs the extra: pip install 'driftproof[text]'.
 
     examples:
@@ -32,7 +32,6 @@ def render_command(options: Namespace) -> str:
 
     lesson.md.j2:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
-      {{ methods_table(["forward_euler", "rk4"], ["state_error digits 4", "evaluations"], h="1/4", t="10") }}
     """
     from os.path import realpath  # unlike Path.resolve, it passes circular links on
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from driftproof.commands import arguments as cli
 
 # The formats of one answer, and those that are only for a table of published values.
-OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
+OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("js",)
 FORM = ("digits", "places", "rounding", "style")
 
 
@@ -19,7 +19,7 @@ FORM = ("digits", "places", "rounding", "style")
     ),
     cli.rounding_option("how to round (default half-even, but a tie is refused)"),
     cli.option("--style", "plain: -6.7e-5 (the default); printed: −6.7×10⁻⁵", choices=("plain", "printed")),
-    cli.option("--format", "js, csv need --only; text, mathml a question", choices=(*OF_ONE, *OF_SEVERAL)),
+    cli.option("--format", "js needs --only; text, mathml a question", choices=(*OF_ONE, *OF_SEVERAL)),
     cli.flag("--list", "list what can be asked"),
     cli.option("--only", "print the published values whose ids match, such as 'rk4.*'", metavar="PATTERN"),
 )
@@ -34,10 +34,9 @@ def value_command(options: Namespace) -> str:
       run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 exact.y0 slope.y0 k1.y0 ... state_error relative_error
       run METHOD rates=(t*sqrt(y0)) from 1 h=1/4 t=1 : READOUT largest_error steps; of a problem, a .toml, your own y'
       run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            or x''=-k*x, x(0)=2, x'(0)=0, k=3: x x' exact.x error.x
-      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1, from R(h lambda)
+      run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1
       run AB2 started=rk4 y'=-y y(0)=1 h=1/4 t=1 : READOUT     a multistep method; its first values, or started=exact
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
-      roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
       + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   of all of these; ratio(a, b) = |a|/|b|, percent(a, b)
     METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
     y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
@@ -53,11 +52,11 @@ def value_command(options: Namespace) -> str:
       driftproof value 'order sdirk_order_2 at (1/2 + sqrt(3)/6)'
       driftproof value --list                          every head, readout, fact, function and id
       driftproof value --only 'rk4.*' --format md      what the lesson prints, by id, as last proved
-      driftproof value --only '*' --format js          a module for web pages: save it as driftproof.mjs; also csv
+      driftproof value --only '*' --format js          a module for web pages: save it as driftproof.mjs
       driftproof value --only '*' --format tex         definitions for \driftproof{id}: save it as values.tex
 
     With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding is given;
-    tofixed does what JavaScript's toFixed does, away is for bounds. --list shows the whole language.
+    away rounds bounds. --list shows the whole language.
     """
     from dataclasses import replace
 
@@ -83,26 +82,25 @@ def value_command(options: Namespace) -> str:
 
 
 def _published(options: Namespace) -> str:
-    from driftproof.texts.values.published import VALUE_FORMATS, published_values, render_values
+    from driftproof.texts.values.published import VALUE_FORMATS, published_values
 
     form = options.format or "json"
     cli.refuse(options, FORM, "with --only, which prints the published values as they are")
     if form not in VALUE_FORMATS:
         raise ValueError(f"--format {form} takes one question; with --only, choose from {', '.join(VALUE_FORMATS)}")
-    return render_values(published_values(options.only), form)
+    return VALUE_FORMATS[form](published_values(options.only))
 
 
 @cli.command(
     cli.option("old", "values printed before, as JSON", type=Path),
     cli.option("new", "values printed now", type=Path),
-    cli.format_option("text json github", "github prints annotations for continuous integration"),
+    cli.format_option("text json"),
 )
 def diff_command(options: Namespace) -> str:
     """Compare two files of values: which changed in value, which only in digits or wording, which are new or gone.
 
     examples:
       driftproof diff old.json new.json
-      driftproof diff old.json new.json --format github      annotations, for a continuous-integration run
 
     old.json and new.json are outputs of `driftproof value --only '*'`, or of `driftproof value`, `facts`, `step` or
     `run` with --format json. A number changed in value if its exact forms differ, or if its decimals cannot be

@@ -127,7 +127,7 @@ def test_misprint_in_the_printed_lines_of_our_text_is_seen_by_running_it():
 class Careless(Phrase):
     """Takes any number for the right one."""
 
-    def exact(self, spellings, ignore_case=False):
+    def exact(self, spellings):
         (name,) = self.names
         return re.compile(f"(?P<{name}>{ANY_NUMBER})".join(map(re.escape, self.literals)))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.texts.values.published import published_values, render_values
+from driftproof.texts.values.published import VALUE_FORMATS, published_values
 from tests.browser import opened, started
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "web" / "index.html"
@@ -32,7 +32,7 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
     (folder / "index.html").write_bytes(EXAMPLE.read_bytes())
     for name, form in (("driftproof.mjs", "js"), ("values.json", "json")):
-        (folder / name).write_text(render_values(published_values(), form), encoding="utf-8")
+        (folder / name).write_text(VALUE_FORMATS[form](published_values()), encoding="utf-8")
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(Silent, directory=str(folder))) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"

@@ -99,7 +99,7 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
-    found = _at_address(document, claim, claim.phrase.exact(spellings, claim.ignore_case))
+    found = _at_address(document, claim, claim.phrase.exact(spellings))
     elsewhere = [x for one in found if (x := _of_other_column(document, claim, one))]
     found = [one for one in found if not _of_other_column(document, claim, one)]
     if elsewhere and len(found) < claim.count:
@@ -161,7 +161,7 @@ def _missing(
 
     missing, known = claim.count - len(occurrences), {one.start() for one in occurrences}
     for names in (True, False):  # second, names such as RK4 may have another number
-        shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
+        shape, expected = claim.phrase.shape(spellings, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = _at_address(document, claim, shape, _MOST_COMPARED)
         near = [one for one in found if one.start() not in known and _is_under(document, claim, one.start(1))]
@@ -174,11 +174,10 @@ def _missing(
     written = claim.phrase.written(spellings)
     there = "".join(f", {x} {said!r}" for x, said in zip(("row", "column"), claim.address, strict=False) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
-    exactly = claim.ignore_case or any(claim.address)
-    capitals = None if exactly else claim.phrase.shape(spellings, True)[0].search(document.text.text)
-    if capitals:
+    in_any_case = re.compile(claim.phrase.shape(spellings)[0].pattern, re.IGNORECASE)
+    if capitals := None if any(claim.address) else in_any_case.search(document.text.text):
         place, shown = document.position(capitals.start()), capitals[0]
-        message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
+        message += f"; {shown!r} differs in capitals"
     else:
         place, shown = _end(document, written) or _beginning(document, claim.address.row or written)
         message += f"; closest is {shown!r}" if shown else ""

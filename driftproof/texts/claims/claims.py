@@ -14,7 +14,6 @@ from typing import Any, TypeGuard
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
-from driftproof.texts.claims.formulas import same_formula
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
@@ -38,22 +37,14 @@ class Expected:
     question: str | None
     given: str | None
     form: NumberForm
-    written: str | None = None
 
     def spellings(self) -> list[str]:
-        """All accepted spellings, in canonical form. Raises ValueError if the answer has no such form.
-
-        A formula may also stand as it is `written` if that is the same rational function.
-        """
+        """All accepted spellings, in canonical form. Raises ValueError if the answer has no such form."""
         from driftproof.texts.questions.evaluate import value
 
         if self.question is None:
             return [str(self.given)]
-        answer = value(self.question)
-        found = [canonical_text(text) for text in self.form.spellings(answer)]
-        if self.written is not None and same_formula(str(answer.exact_text), self.written):
-            found.append(self.written)
-        return found
+        return [canonical_text(text) for text in self.form.spellings(value(self.question))]
 
 
 @dataclass(frozen=True)
@@ -70,7 +61,6 @@ class Claim:
     values: Mapping[str, Expected]
     count: int
     given: str | None
-    ignore_case: bool
     methods: tuple[str, ...] = ()
     fact: tuple[str, str] | None = None
     address: Address = ANYWHERE
@@ -155,7 +145,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
     with refused_in(f"claim {key!r}"):
         toml.require_keys(
             entry,
-            ("id", "phrase", "value", "values", "answer", "count", "given", "ignore_case", "method", *_ELSEWHERE),
+            ("id", "phrase", "value", "values", "answer", "count", "given", "method", *_ELSEWHERE),
             "a claim",
         )
         phrase, given = _phrase(entry), entry.get("given")
@@ -177,9 +167,8 @@ def _claim(entry: TomlTable, number: int) -> Claim:
                 "method is the key of a method that the text names where the value stands, or one for each"
             )
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
-        ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
         given = "given" if given is True else given
-        return Claim(key, phrase, values, count, given, ignore_case, tuple(methods), fact, _address(entry, len(values)))
+        return Claim(key, phrase, values, count, given, tuple(methods), fact, _address(entry, len(values)))
 
 
 def _address(entry: TomlTable, values: int) -> Address:
@@ -245,7 +234,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')
-    toml.require_keys(entry, ("ask", "given", "written", *_FORM), "a value")
+    toml.require_keys(entry, ("ask", "given", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
         spelled = canonical_text(given.strip()) if _is_text(given, _LONGEST_NAME) else ""
@@ -254,11 +243,6 @@ def _expected(value: Any, default: TomlTable) -> Expected:
         return Expected(None, spelled, NumberForm())
     if not isinstance(question, str):
         raise ValueError("a question is a string")
-    written = entry.get("written")
-    if written is not None:
-        if not _is_text(written, LONGEST_PHRASE):
-            raise ValueError("written is a formula, in quotes, as the text writes it")
-        return Expected(question, None, NumberForm(exact=True), canonical_text(written.strip()))
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))
 
 

@@ -19,7 +19,7 @@ from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import Said, properties_in, properties_in_items, properties_in_tables
+from driftproof.texts.claims.properties import Said, properties_in
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
 from driftproof.texts.claims.suggestions import Missed, Suggestions
@@ -176,7 +176,7 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
     text, of_phrases = document.text.text, dict[str, list[Said]]()
     for said in properties_in(text):
         of_phrases.setdefault(said.phrase, []).append(said)
-    for said in (*chain(*of_phrases.values()), *properties_in_items(text), *properties_in_tables(text)):
+    for said in chain(*of_phrases.values()):
         if not said.holds:
             so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
             yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"

@@ -128,7 +128,8 @@ class LookAlikes(NamedPlaces):
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             if known.question == compared:
                 rivals, denied = runs, denied or not self._is_in_order(number, compared)
-            other = without_sizes(known.question) in kinds and not place.has_step(known.question)
+            sizes = asked_settings(known.question)["h"]
+            other = without_sizes(known.question) in kinds and sizes and place.settings.get("h", sizes[0]) not in sizes
             elsewhere = known.stated and known not in meant and (placed or other)
             only = known.stated and [each for each in meant if each.stated] == [known]
             telling = len(digits_of(number.text)) if only else digits

@@ -75,8 +75,7 @@ class Member:
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)
-        counted = is_head_of("n", head) and suggestions.counts_of_methods(number)
-        if (is_head_of("htnsz", head) and not counted) or re.fullmatch(r"[kλω](?: ?[(\[](?![0-9]).*)?", head):
+        if is_head_of("htnsz", head) or re.fullmatch(r"[kλω](?: ?[(\[](?![0-9]).*)?", head):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()

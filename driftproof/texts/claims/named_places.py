@@ -20,7 +20,6 @@ from driftproof.texts.claims.contradictions import (
 from driftproof.texts.claims.heads import is_head_of, leaves_quantity
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.places import (
-    COMPARED,
     Place,
     asked_quantity,
     asked_settings,
@@ -61,12 +60,6 @@ class NamedPlaces:
         """The methods that the text names where the number stands."""
         return self._place_of(number).methods
 
-    def counts_of_methods(self, number: TextNumber) -> bool:
-        """True if its column has one number for each method, not all the same: found, and not chosen."""
-        column = self._company[self.tables.column_place(number)]
-        rows = [next((cell.text for cell in self.tables.row_of(x) if cell.text), "") for x in column]
-        return len({x.text for x in column}) > 1 and len({*rows}) == len(rows) and bool(methods_named(rows[0]))
-
     @cached_property
     def _numbers(self) -> list[TextNumber]:
         return [number for number in numbers_in(self.text) if number.label is None]
@@ -86,8 +79,6 @@ class NamedPlaces:
                 place = replace(place, methods=frozenset(self._methods[table]))
             if table >= 0 and self.values.stated and leaves_quantity(self.tables.column_of(number), self._unknowns):
                 place = replace(place, quantity=self._quantities.get(table, place.quantity))
-            if place.quantity in COMPARED and "h" not in place.near:
-                place = replace(place, **self._runs_beside(number))
             if "h" not in place.near and ((sizes := self._sizes_of_program(number)) or table in self._steps):
                 step = min(sizes) if len(sizes) == 1 else self._steps.get(table)
                 place = replace(place, settings=place.with_step(step), near=place.near | ({"h"} if step else set()))
@@ -103,17 +94,6 @@ class NamedPlaces:
         given = {Fraction(x) for program in programs for x in _DECIMAL.findall(program)}
         known = (each.question for each in self.values.known if each.stated and given)
         return given.intersection(*[chain.from_iterable(asked_settings(one)["h"] for one in known)])
-
-    def _runs_beside(self, number: TextNumber) -> dict[str, Any]:
-        """What says that a ratio is of the two runs whose errors stand beside it, if any of its column is."""
-        above = {Fraction(x) for cell in self.tables.row_of(number) for x in SETTING["h"].findall(cell.head)}
-        for x in self._company[self.tables.column_place(number)] if len(above) == 2 else ():
-            place = self._named_at(x)
-            place = replace(place, settings=place.settings | {"h": max(above)}, of_row=(0,))
-            if any(place.means(known.question, known.keys) for known in self.values.written_like(x)):
-                own = self._named_at(number)
-                return {"settings": own.settings | {"h": max(above)}, "near": own.near | {"h"}, "of_row": (0,)}
-        return {}
 
     def _run_of_row(self, number: TextNumber) -> int:
         """Which of two runs has the step size of the row in a table of observed orders: that of most of its values."""

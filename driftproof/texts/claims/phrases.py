@@ -180,21 +180,19 @@ class Phrase:
         """The numbers in the literal texts, labels excluded, and the whole ones in words."""
         return [*self.free_numbers, *(word.text for text in self.literals for word in words.whole_numbers_in(text))]
 
-    def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
+    def exact(self, spellings: Spellings) -> re.Pattern[str]:
         """A pattern of the phrase with each value in one of its spellings, captured in a group of its name."""
         values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)
-        return self._pattern(_alternating(map(_literal_pattern, self.literals), values), ignore_case)
+        return self._pattern(_alternating(map(_literal_pattern, self.literals), values))
 
-    def shape(
-        self, spellings: Spellings, ignore_case: bool = False, names: bool = True
-    ) -> tuple[re.Pattern[str], list[str]]:
+    def shape(self, spellings: Spellings, names: bool = True) -> tuple[re.Pattern[str], list[str]]:
         """A pattern of the phrase with any numbers, each a group, and the correct ones in the order of the groups.
 
         With `names`, numbers in names such as RK4 stay.
         """
         texts, found = self._texts_and_numbers(spellings, names)
         numbers = (f"({_ANY_WORD if words.is_worded(number) else ANY_NUMBER})" for number in found)
-        return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case), found
+        return self._pattern(_alternating(map(_literal_pattern, texts), numbers)), found
 
     def any_numbers(self) -> re.Pattern[str]:
         """A pattern of the phrase with any number for each value; literal numbers stay."""
@@ -227,7 +225,7 @@ class Phrase:
             texts[-1] += part[done:]
         return texts, found
 
-    def _pattern(self, parts: Iterable[str], ignore_case: bool = False) -> re.Pattern[str]:
+    def _pattern(self, parts: Iterable[str]) -> re.Pattern[str]:
         """The parts joined into one pattern that matches no partial word or number at its ends."""
         first, last = self.literals[0], self.literals[-1]
         begins = r"(?<!\w)" if re.match(r"\w", first) else ""
@@ -238,7 +236,7 @@ class Phrase:
             ends = _NUMBER_ENDS
         # Put the lookbehind after the first letters: re searches ten times as fast for a literal prefix.
         pattern = re.sub(r"\A\(\?<!\\w\)([A-Za-z]+)", r"\1(?<!\\w\1)", begins + "".join(parts) + ends)
-        return re.compile(pattern, re.IGNORECASE if ignore_case else 0)
+        return re.compile(pattern)
 
 
 def _alternating(literals: Iterable[str], values: Iterable[str]) -> Iterator[str]:

@@ -142,11 +142,6 @@ class Place:
         """True if the words here are those of stability functions or observed orders, and the question is not."""
         return self.quantity in _CERTAIN and asked_quantity(question)[0] != self.quantity
 
-    def has_step(self, question: str) -> bool:
-        """True if the step size of the question is the one here, or one of both has none."""
-        asked = asked_settings(question)["h"]
-        return not asked or self.settings.get("h") in (None, *asked)
-
     def means(self, question: str, methods: set[str], any_runs: bool = False) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is.
 
@@ -333,7 +328,9 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        taken = [] if near["t"] else counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if text.startswith(" after ", end) else []
+        taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
+        taken = [] if near["t"] else taken
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
         near["t"] += [str(settings["t"])] * bool(row)

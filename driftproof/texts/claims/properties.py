@@ -8,7 +8,6 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from driftproof.texts.claims.contradictions import methods_named, spoken_names
-from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.questions.evaluate import value
 
 # Property -> the fact of that name.
@@ -16,9 +15,6 @@ _FACTS = {"a-stable": "a_stable", "l-stable": "l_stable", "symplectic": "symplec
 # Words before a sentence, or in it, that ask, deny or doubt what it says, and how far before.
 _IN_DOUBT = re.compile(r"\b(?:myth|false|whether|if|unless|claims?|believes?|wrong|say|cannot|nobody|never)\b")
 _BEFORE = 100
-# Words of an item that may limit what it says.
-_CONDITION = re.compile(r"\b(?:for|when|where|only|almost|nearly|except|as|like|than|without|loses?|lacks?)\b")
-_ANSWERS = {"yes": "yes", "no": "no", "✓": "yes", "✗": "no"}
 
 
 class Said(NamedTuple):
@@ -41,40 +37,11 @@ def properties_in(text: str) -> Iterator[Said]:
     for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
         if not _IN_DOUBT.search(lower, max(0, match.start() - _BEFORE), match.end()):
             phrase = text[slice(*match.span())].replace("\n", " ")
-            for no, what in (("no", "what"), ("no2", "what2")):
-                if match[what]:
-                    yield from _said(match.start(), phrase, match["of"], match[what], "no" if match[no] else "yes")
-
-
-def properties_in_items(text: str) -> Iterator[Said]:
-    """The properties in items such as "Trapezoidal rule: order 2, A-stable but not L-stable", without conditions."""
-    what, lower = "|".join(_FACTS), text.lower()
-    item = (
-        rf"(?m)^(?P<of>{spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?: (?P<rest>.*?)(?:[.;](?=\s)|\?|$)"
-    )
-    for match in re.finditer(re.sub(r"\\? ", "[-_ ]", item), lower):
-        if not (_IN_DOUBT.search(match[0]) or _CONDITION.search(match[0]) or match[0].endswith("?")):
-            for one in re.finditer(
-                rf"(?<![\w-])(?P<no>(?:not|nor|neither)[ -](?:\w+ )?)?(?P<what>{what})\b", match["rest"]
-            ):
-                phrase = f"{match['of']}: {one[0]}"
-                yield from _said(match.start(), phrase, match["of"], one["what"], "no" if one["no"] else "yes")
-
-
-def properties_in_tables(text: str) -> Iterator[Said]:
-    """The cells of tables that say yes or no under the name of a property, in the rows of single methods."""
-    for row in tables_of(text).rows():
-        label = next((cell.text for cell in row if methods_named(cell.text)), "")
-        for cell in row:
-            if cell.head in _FACTS and cell.text in _ANSWERS:
-                phrase = f"{label} is {'not ' * (_ANSWERS[cell.text] == 'no')}{cell.head}"
-                yield from _said(cell.start, phrase, label, cell.head, _ANSWERS[cell.text])
-
-
-def _said(start: int, phrase: str, of: str, what: str, answer: str) -> Iterator[Said]:
-    fact, found = _FACTS[what], dict[str, str | None]()
-    for key in sorted(methods_named(of)):  # of leapfrog, both
-        with suppress(ValueError):  # a fact that a multistep method has not
-            found[key] = value(f"{fact} {key}").exact_text
-    if {*found.values()} in ({"yes"}, {"no"}):
-        yield Said(start, phrase, f"{fact} {next(iter(found))}", answer, answer in found.values())
+            for no, fact in ((x, _FACTS[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
+                answer, found = "no" if match[no] else "yes", dict[str, str | None]()
+                for key in sorted(methods_named(match["of"])):  # of leapfrog, both
+                    with suppress(ValueError):  # a fact that a multistep method has not
+                        found[key] = value(f"{fact} {key}").exact_text
+                if {*found.values()} in ({"yes"}, {"no"}):
+                    question = f"{fact} {next(iter(found))}"
+                    yield Said(match.start(), phrase, question, answer, answer in found.values())

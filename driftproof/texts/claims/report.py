@@ -124,50 +124,44 @@ class TextReport(Printable):
         return {**entry, "context": self._context(one.number), **looks_like}
 
     def _lines(self) -> Iterator[str]:
-        for finding in self.findings:
-            yield f"{self.file}:{finding.line}:{finding.column}: {finding.claim}: {finding.message}"
-        for number, alike in self._suggested():
-            line, column = self.document.position(number.start)
-            yield f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{alike}"
-        for number, said in self.slips:
-            line, column = self.document.position(number.start)
-            yield f"{self.file}:{line}:{column}: {number.text} {SLIP} {said}"
+        for _, line, column, title, message in self._notes():
+            yield f"{self.file}:{line}:{column}: {f'{title}: ' * bool(title)}{message}"
         wrong = len({finding.claim for finding in self.findings})
         listings = f", {counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
         look = f"; {len(self.slips)} perhaps wrong" if self.slips else ""
         yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}{look}"
+        if self.slips:
+            yield 'what is right is kept by a claim of it with given = "why", or by deleting its line in the claims'
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
         numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
         yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {counted(labels, 'label')} not counted"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
-            words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
+            words = [f"{word}{f' ×{n}' * (n > 1)}" for word, n in unread.most_common(_MOST_WORDS)]
+            words += [f"{len(unread) - _MOST_WORDS} more"] * (len(unread) > _MOST_WORDS)
             yield f"not checked: {counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
         if others := self.document.other_files:
             yield f"not read: {', '.join(others)}, included by the text; check each separately"
 
     def _annotations(self) -> Iterator[str]:
-        for one in self.findings:
-            yield annotation("error", one.message, file=self.file, line=one.line, col=one.column, title=one.claim)
-        for number, said in self.slips:
-            line, column = self.document.position(number.start)
-            yield annotation(
-                "warning", f"{number.text} {SLIP} {said}", file=self.file, line=line, col=column, title="draft"
-            )
-        for number, alike in self._suggested():
-            line, column = self.document.position(number.start)
-            message = f"no claim covers {number.text}{alike}"
-            yield annotation("notice", message, file=self.file, line=line, col=column, title="coverage")
+        for level, line, column, title, message in self._notes():
+            yield annotation(level, message, file=self.file, line=line, col=column, title=title or "draft")
 
-    def _suggested(self) -> Iterator[tuple[TextNumber, str]]:
-        """Every uncovered number with the values that it looks like; nothing if no suggestions were requested."""
-        if self.suggestions is None:
-            return
-        for number in self.coverage.uncovered:
-            alike = [one.question for one in self.suggestions.look_alikes(number)]
+    def _notes(self) -> Iterator[tuple[str, int, int, str, str]]:
+        """What to look at: level, line, column, title and message; uncovered numbers if suggestions were requested."""
+        for one in self.findings:
+            yield "error", one.line, one.column, one.claim, one.message
+        for number, looks in (
+            (x, self.suggestions.look_alikes(x)) for x in self.coverage.uncovered if self.suggestions
+        ):
+            alike = [one.question for one in looks]
             more = f" and {len(alike) - _MOST_NAMED} more" if len(alike) > _MOST_NAMED else ""
-            yield number, f"; looks like {', '.join(alike[:_MOST_NAMED])}{more}" if alike else ""
+            said = f"; looks like {', '.join(alike[:_MOST_NAMED])}{more}" if alike else ""
+            place = self.document.position(number.start)
+            yield "notice", *place, "not covered", f"{self._context(number)!r}{said}"
+        for number, said in self.slips:
+            yield "warning", *self.document.position(number.start), "", f"{number.text} {SLIP} {said}"
 
     def _context(self, number: TextNumber) -> str:
         text = self.document.text.text

@@ -14,7 +14,7 @@ from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.texts.claims.contradictions import spoken_names
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
-from driftproof.texts.questions.pieces import with_greek_spelled, with_roots_spelled, with_time
+from driftproof.texts.questions.pieces import with_calls_bracketed, with_greek_spelled, with_roots_spelled, with_time
 
 # So many problems of a text are read, each with the values that it gives to a parameter.
 MOST_PROBLEMS = 4
@@ -283,4 +283,4 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
     formula = re.sub(r"(\^[0-9]+) (?=(?:d?[A-Za-z]|[A-Za-z]+_\w)\b|\()", r"\1*", formula)  # x^2 y
     formula = re.sub(r"(?<![\w./^])((?:\w+|\([^()]*\))/\w+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
-    return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
+    return with_calls_bracketed(formula)

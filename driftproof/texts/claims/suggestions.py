@@ -5,20 +5,18 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from typing import TypeAlias
 
-from driftproof.enclosure.evaluations import Refused
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import SETTING, methods_named, names_limit, sentence_around
+from driftproof.texts.claims.contradictions import methods_named, names_limit, sentence_around
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
-from driftproof.texts.claims.possible_values import EFFORT, LIMITS_OF_METHODS, SHARE
+from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, SHARE
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
@@ -26,7 +24,6 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
-_TIME = re.compile(r"\bt=[^\s,:]+")
 _READOUT = re.compile(" : .*")
 _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in (r"\brun", "^order", "^angle", "^stages", "_limit", "_constant"))
@@ -201,22 +198,9 @@ class Suggestions(LookAlikes):
         if (self._place_of(number).own or in_row) and not found:
             others = {_METHOD.sub("", one) for one in alike}  # what another method has
             found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
-        found = found or (self._out_of_step(number, named, digits) if sure else {})
         if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
             found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
-
-    def _out_of_step(self, number: TextNumber, named: Mapping[str, str], digits: int) -> dict[str, str]:
-        """The values that the place names, if the number is the one a step before or after it."""
-        found = dict[str, str]()
-        for question, spelling in named.items() if digits > 3 else ():
-            h, t = (next(map(Fraction, SETTING[x].findall(question)), None) for x in "ht")
-            for other in (t - h, t + h) if h and t else ():
-                there = _TIME.sub(f"t={other}", question)
-                with suppress(ValueError, Refused):
-                    if other > 0 and spelled(number) in form_of(number).spellings(self.values.limited(there, EFFORT)):
-                        found[question] = spelling
-        return found
 
     def _misfit(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
         """The values that the place names, if they are of the kind of those beside the number.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from driftproof.methods.number_field import Algebraic
 from driftproof.support.plain_text import DIGITS_UNASKED, as_json
 from driftproof.support.results import Printable
-from driftproof.texts.questions.decimals import AWAY, FIXED, HALF_EVEN, PLAIN, SIGNIFICANT, Style, Tie, rounded
+from driftproof.texts.questions.decimals import FIXED, HALF_EVEN, PLAIN, SIGNIFICANT, Style, Tie, rounded
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.writing import markup
 
@@ -31,8 +31,8 @@ class Answer(Printable):
 
     `evidence` is GIVEN for a number that a text chose, PROVED for an exact one, COUNTED for a count, CERTIFIED for an
     enclosed number, and STATED for an unproved statement of the catalogue, such as a title. `form` is the exact form in
-    SymPy's syntax if `exact` does not give it, and `words` the TeX of a `form` that is no formula. `is_bound` marks a
-    bound, which is rounded away from zero unless the style names a policy. `remark` qualifies the evidence.
+    SymPy's syntax if `exact` does not give it, `words` the TeX of a `form` that is no formula, and `remark` qualifies
+    the evidence.
     """
 
     question: str
@@ -40,7 +40,6 @@ class Answer(Printable):
     evidence: str = PROVED
     unit: str | None = None
     form: str | None = None
-    is_bound: bool = False
     words: str | None = None
     remark: str | None = None
 
@@ -146,14 +145,14 @@ class Answer(Printable):
         return self.digits(DIGITS_UNASKED, replace(style, rounding=self._rounding(style)))
 
     def _rounding(self, style: Style) -> str:
-        return style.rounding or (AWAY if self.is_bound else HALF_EVEN)
+        return style.rounding or HALF_EVEN
 
     def _decimal(self, form: str, n: int, style: Style) -> str:
         x = self._number()
         if n > LONGEST_DECIMAL:
             raise QuestionError(self.question, 1, f"{n} digits are too many; at most {LONGEST_DECIMAL} are written")
         try:
-            return rounded(x, form, n, style, AWAY if self.is_bound else None)
+            return rounded(x, form, n, style)
         except Tie as tie:
             raise AmbiguousRounding(self.question, 1, str(tie)) from None
         except (ValueError, ArithmeticError) as error:

@@ -156,16 +156,9 @@ OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
 
 
 def applied(operation: Callable[..., Answer], *operands: Answer) -> Answer:
-    """What the operation makes of the operands, with their remarks: of bounds a bound, which rounds away from zero.
-
-    Raises ValueError for arithmetic with a bound that leaves none, and what the operation raises.
-    """
-    found, is_bound = operation(*operands), any(a.is_bound for a in operands)
-    stays = operation in (OPERATIONS["+"], OPERATIONS["*"])
-    if is_bound and not (stays and all(certified_sign(_number(a)) >= 0 for a in operands)):
-        raise ValueError("to a bound numbers from 0 on can be added, and it can be multiplied by one; nothing else")
+    """What the operation makes of the operands, with their remarks. Raises what the operation raises."""
     remarks = dict.fromkeys(a.remark for a in operands if a.remark)
-    return replace(found, is_bound=is_bound, remark="; ".join(remarks) or None)
+    return replace(operation(*operands), remark="; ".join(remarks) or None)
 
 
 def _unitless(a: Answer) -> CertifiableReal:

@@ -16,14 +16,10 @@ if TYPE_CHECKING:
 
 HYPHEN, MINUS = "-", "\N{MINUS SIGN}"
 E, TIMES_TEN = "e", "×10"
-HALF_EVEN, HALF_AWAY, TOFIXED, AWAY = "half-even", "half-away", "tofixed", "away"
+HALF_EVEN, HALF_AWAY, AWAY = "half-even", "half-away", "away"
 SIGNIFICANT, FIXED = "significant", "fixed"
-ROUNDING_POLICIES = (HALF_EVEN, HALF_AWAY, TOFIXED, AWAY)
+ROUNDING_POLICIES = (HALF_EVEN, HALF_AWAY, AWAY)
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-# Number.prototype.toFixed refuses more digits after the point (ecma-262-2025, 21.1.3.3).
-MOST_PLACES_OF_TOFIXED = 100
-# For numbers from this on, toFixed writes an exponent.
-LARGEST_OF_TOFIXED = 10**21
 
 
 @dataclass(frozen=True)
@@ -31,9 +27,7 @@ class Style:
     """A style of decimals: `rounding`, one of ROUNDING_POLICIES or None; `minus`, "-" or "−"; `exponent`, "e" or "×10".
 
     The policies half-even and half-away round to the nearest decimal and differ on ties; away rounds every number away
-    from 0; tofixed does what JavaScript's toFixed and toPrecision do: it rounds the binary64 number nearest to the
-    exact value, ties away from 0. With None the rounding is half-even and a tie is refused. Raises ValueError for other
-    names.
+    from 0. With None the rounding is half-even and a tie is refused. Raises ValueError for other names.
 
     >>> from driftproof import Style, value
     >>> value("1/8").places(2, Style("half-away"))
@@ -70,36 +64,18 @@ class Tie(ValueError):
     """A number half-way between two decimals, for which no rounding policy was named."""
 
 
-def rounded(x: CertifiableReal, form: str, count: int, style: Style, default: str | None = None) -> str:
-    """x to `count` SIGNIFICANT digits or FIXED places, by the style's policy or else `default`, None to refuse ties.
+def rounded(x: CertifiableReal, form: str, count: int, style: Style) -> str:
+    """x to `count` SIGNIFICANT digits or FIXED places, by the style's policy.
 
     Raises ValueError for too small a count, Tie, and Uncertified.
     """
     from driftproof.symbolic.algebra import certified
 
     write = certified.fixed if form == FIXED else certified.significant
-    rounding = style.rounding or default
-    if rounding == TOFIXED:
-        double = _nearest_double(x)
-        if form == FIXED and (count > MOST_PLACES_OF_TOFIXED or abs(double) >= LARGEST_OF_TOFIXED):
-            raise ValueError(f"toFixed takes at most {MOST_PLACES_OF_TOFIXED} places, and numbers below 10**21")
-        # The sign is set aside first: "-0.00" for a negative number that rounds to 0.
-        size = write(abs(double), count, HALF_AWAY)
-        return style.written(f"-{size}" if double < 0 else size)
-    if rounding is not None:
-        return style.written(write(x, count, rounding))
+    if style.rounding is not None:
+        return style.written(write(x, count, style.rounding))
     even = write(x, count, HALF_EVEN)
     # Irrational numbers are never ties; an enclosed rational one on a tie has already raised Uncertified.
     if isinstance(x, Fraction) and even != (away := write(x, count, HALF_AWAY)):
         raise Tie(f"the number is a tie: half-even gives {even}, half-away {away}; choose a rounding")
     return style.written(even)
-
-
-def _nearest_double(x: CertifiableReal) -> Fraction:
-    """The binary64 number nearest to x, as a fraction; 0 if x underflows. Raises ValueError if x overflows."""
-    from driftproof.symbolic.algebra.certified import decide_by_enclosure
-
-    try:
-        return decide_by_enclosure(x, lambda y: Fraction(float(y)))
-    except OverflowError:
-        raise ValueError("the number is beyond the largest double, and toFixed takes only doubles") from None

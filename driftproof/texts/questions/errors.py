@@ -56,13 +56,11 @@ def time_limit(question: str, seconds: float) -> Iterator[None]:
         raise _Alarm
 
     before = signal.signal(signal.SIGALRM, ring)
-    theirs, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
     except _Alarm:
         raise QuestionError(question, 1, f"no answer within {seconds:g} seconds") from None
     finally:
-        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
-        if theirs:  # the caller's timer runs on, or rings now
-            signal.setitimer(signal.ITIMER_REAL, max(theirs - seconds + left, 1e-6), interval)

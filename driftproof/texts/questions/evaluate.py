@@ -113,7 +113,7 @@ def _call(node: CallNode, question: str) -> Answer:
 
 def _step(context: QueryContext) -> Answer:
     """Answers `step METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
-    context.require_only("h", "N", "lambda", parts=_PARTS)
+    context.require_only("h", "N", parts=_PARTS)
     counted = context.query.readout is not None and context.query.readout.text == "evaluations"
     h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
     return _run_answer(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
@@ -122,19 +122,10 @@ def _step(context: QueryContext) -> Answer:
 def _run(context: QueryContext) -> Answer:
     """Answers `run METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`.
 
-    The query gives two of h, t and N. On the oscillator it may give t and error: see `steps_to_error`.
+    The query gives two of h, t and N.
     """
-    context.require_only("h", "t", "N", "error", "lambda", parts=_PARTS)
-    given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
-    if "error" in given and "t" in given and not (context.about_problem or "lambda" in context.query.settings):
-        from driftproof.texts.questions.runs import steps_to_error
-
-        method, t = context.method(), given["t"]
-        with context.refused():
-            given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
-    elif "error" in given:
-        on_one = "only on the oscillator is the number of steps for an error counted; with h or N it tells the error"
-        raise context.error(None, f"{on_one}, and driftproof work-precision the errors of many numbers of steps")
+    context.require_only("h", "t", "N", parts=_PARTS)
+    given = {name: number.value for name, number in context.query.settings.items()}
     if len(given) != 2:
         lacks = {0: " h=0.1 t=1", 1: " h=0.1" if "N" in given else " N=10"}.get(len(given))
         raise context.error(None, f"run needs exactly two of h, t and N, as in h=1/4 t=10{context.ask_for(lacks)}")
@@ -151,40 +142,34 @@ def _whole_number(context: QueryContext) -> int:
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.enclosure.multistep_runs import StartedMultistep
-    from driftproof.methods.multistep import Multistep
-    from driftproof.texts.questions.runs import RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
+    from driftproof.texts.questions.runs import UNITS, in_unit, run_of, run_readouts
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "the step size h must not be 0")
-    by_factor = "lambda" in context.query.settings and not isinstance(context.subject(), Multistep)
-    method = None if by_factor else context.method_of_run()
-    if method is None or isinstance(method, StartedMultistep) or context.about_problem is not None:
+    method = context.method_of_run()
+    if isinstance(method, StartedMultistep) or context.about_problem is not None:
         return _problem_answer(context, method, h, t)
     if unit is not None and unit.text not in UNITS:
         raise context.error(unit, f"{unit.shown} is not a unit of angles; the units are {', '.join(UNITS)}")
     with context.refused():
         run = run_of(method, h, t, context.start)
     with context.refused(readout):
-        found = stage_slope(run, readout.text) if readout else None
-        if found is None:
-            found = context.readout(RUN_READOUTS, more=", k1.q, k1.v, ...")(run)
+        found = context.readout(run_readouts(method))(run)
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
 def _problem_answer(
     context: QueryContext, method: Method | StartedMultistep | None, h: Fraction, t: Fraction
 ) -> Answer:
-    """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
+    """Answer for a problem by name, or for y' = f(t, y) with its rates written out."""
     from driftproof.texts.questions import problems
 
-    query, named, decays = context.query, context.about_problem, "lambda" in context.query.settings
-    if named is not None and (decays or (query.problem and query.rates)):
-        raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
-    if query.unit is not None or (decays and query.start is not None):
-        raise context.error(query.unit, "y' = λy always starts at 1, and readouts on a problem take no unit")
-    if decays and method is None:
-        return _decay_answer(context, h, t)
+    query, named = context.query, context.about_problem
+    if query.problem and query.rates:
+        raise context.error(named, "problem and rates each define a problem; give only one of them")
+    if query.unit is not None:
+        raise context.error(query.unit, "readouts on a problem take no unit")
     with context.refused(named):
         problem = _problem(context)
         try:
@@ -198,7 +183,7 @@ def _problem_answer(
 
 
 def _problem(context: QueryContext) -> ProblemTable:
-    """The problem of a query: by name, by its rates, y' = λy from 1 or, if it gives none, the oscillator."""
+    """The problem of a query: by name, by its rates or, if it gives none, the oscillator."""
     from driftproof.enclosure.problem_tables import ProblemTable
     from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions.problems import problem_of_name
@@ -206,8 +191,6 @@ def _problem(context: QueryContext) -> ProblemTable:
     query = context.query
     if query.problem:
         return problem_of_name(query.problem.text, {name: x.value for name, x in query.parameters.items()})
-    if "lambda" in query.settings:
-        return ProblemTable(field_of_text([f"({query.settings['lambda'].value})*y0"]), (Fraction(1),), None, ("y",))
     if not query.rates:
         return problem_of_name("harmonic_oscillator", {})._replace(unknowns=("q", "v"))
     names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
@@ -217,23 +200,6 @@ def _problem(context: QueryContext) -> ProblemTable:
         both = field_of_text([*texts, query.energy.text], names=names)
         field, energy = replace(field, parameters=both.parameters), both.rates[-1]
     return ProblemTable(field, (), energy, query.unknowns)
-
-
-def _decay_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    """Answer for y' = λy from 1, with R(hλ)^N."""
-    from driftproof.texts.questions.problems import decay_readouts
-
-    query = context.query
-    rate, steps = query.settings["lambda"].value, t / h
-    if steps.denominator != 1 or steps < 1:
-        raise context.error(None, f"h = {h} does not divide t = {t} (t / h = {steps})")
-    at = f" at {query.at.text}" if query.at else ""
-    try:
-        factor = value(f"stability_function {query.subject.text if query.subject else ''}{at} z={rate * h}")
-    except QuestionError as error:
-        raise context.error(query.subject, error.reason) from None
-    with context.refused(query.readout):
-        return context.readout(decay_readouts(factor, rate, h, int(steps)))()
 
 
 @cache
@@ -258,12 +224,6 @@ def _exact(context: QueryContext) -> Answer:
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
-def _roundoff(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.runs import rounding_bound
-
-    return rounding_bound(context)
-
-
 def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import coefficient, fact
 
@@ -271,7 +231,7 @@ def _fact(context: QueryContext) -> Answer:
 
 
 # Heads of queries that are not facts -> the function that answers them.
-_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundoff}
+_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact}
 
 
 def vocabulary() -> str:
@@ -280,15 +240,13 @@ def vocabulary() -> str:
     from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
     from driftproof.texts.questions.facts import FACT_NAMES
     from driftproof.texts.questions.problems import PROBLEM_READOUTS
-    from driftproof.texts.questions.runs import BOUND_ENTRIES, EXACT_READOUTS, RUN_READOUTS, UNITS
+    from driftproof.texts.questions.runs import EXACT_READOUTS, RUN_READOUTS, UNITS
     from driftproof.texts.values.published import published_values
 
     parts = {
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
         "readouts on a problem": [*PROBLEM_READOUTS],
-        "readouts with lambda": ["y", "exact.y", "state_error", "relative_error", "steps"],
-        "readouts of roundoff": [*"qv", *BOUND_ENTRIES, "c"],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],
         "functions and constants": [*NUMBER_FUNCTIONS, *CONSTANTS],

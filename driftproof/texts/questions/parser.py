@@ -3,7 +3,7 @@
 The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query:
 
 query   = head part* [":" readout [unit]]
-part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
+part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | equation
 start   = "from" ["("] entry ("," entry)* [")"]
 entry   = literal | expression with pi or sqrt
 rates   = "(" sum ("," sum)* ")"
@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise, takewhile
@@ -34,14 +34,15 @@ from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.pieces import (
     OWN_PI,
-    WORDS,
+    UNKNOWNS,
     PieceParser,
+    with_calls_bracketed,
     with_greek_spelled,
     with_powers_of_e,
     with_time,
 )
 
-SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
+SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
 PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
 _NO_SETTING = f"{{}} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}, or a name in your equation"
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
@@ -51,7 +52,6 @@ _QUOTES = "a file's name with blanks or signs stands in quotes: 'my method.toml'
 _UNQUOTED = re.compile(r"(?:[^\s=:]+ )*[^\s=:]*\.toml(?![\w'\"])")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
-_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -69,7 +69,6 @@ class Query:
     subject: Token | None = None
     at: Token | None = None
     settings: dict[str, NumberNode] = field(default_factory=dict)
-    words: dict[str, Token] = field(default_factory=dict)
     start: tuple[Fraction | str, ...] | None = None  # text, such as pi/4, if it may be irrational
     readout: Token | None = None
     unit: Token | None = None
@@ -87,13 +86,8 @@ Node: TypeAlias = ExpressionNode | Query
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
     question = of_first_order(with_greek_spelled(question))
-    question = with_time(question, unknowns) if (unknowns := _UNKNOWNS.findall(question)) else question
-    question = with_powers_of_e(question, unknowns)
-    if rounded := wording.TO_DIGITS.search(question):
-        kind = "digits" if rounded["digits"] else "places"
-        count = rounded["count"]
-        how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
-        raise QuestionError(question, rounded.start() + 1, how)
+    question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
+    question = with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
     try:
         node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
     except QuestionError as error:
@@ -106,8 +100,6 @@ def parse_question(question: str) -> Node:
 
 class _QuestionParser(PieceParser):
     """A parser of questions; each method consumes the tokens of the construct that it is named after."""
-
-    in_rate = False
 
     def _atom(self) -> Any:
         """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
@@ -263,6 +255,9 @@ class _QuestionParser(PieceParser):
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
         """The parts of a query, with rates and start taken from its equations, in the order of the unknowns."""
+        if not (parts["rates"] or "problem" in parts) and (of := parts["settings"].pop("lambda", None)):  # y' = λy
+            parts["rates"] = {"y": Token(NUMBER, f"({of.value})*y", of.column)}
+            parts["start"] = parts["start"] or {"y": Fraction(1)}
         rates, start = parts["rates"], parts["start"]
         names = tuple(rates) if isinstance(rates, dict) else ()
         if isinstance(start, dict):
@@ -361,11 +356,9 @@ class _QuestionParser(PieceParser):
         return True
 
     def _bare_part(self, token: Token, parts: dict[str, Any]) -> None:
-        """Parse a part without an equals sign: a word such as sharp, a start, the value of a parameter, or a method."""
+        """Parse a part without an equals sign: a start, the value of a parameter, or a method."""
         key = token.text if token.text == "at" else "subject"
-        if token.text in WORDS:
-            parts["words"][token.text] = token
-        elif token.text == "from":
+        if token.text == "from":
             self.put(parts, token, "start", self.start)
         elif not wording.PERIODS.isdisjoint((token.text, self.next.text)):
             raise self.error(token, f"a period is not a whole number of steps: {OWN_PI}")
@@ -383,44 +376,14 @@ class _QuestionParser(PieceParser):
         unexpected = f"unexpected {token.shown}; a colon and a readout may follow{hint}"
         return wording.ASKED_ELSEWHERE.get(token.text, unexpected)
 
-    def rate(self) -> Token:
-        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query."""
-        prime = self.take()
-        if self.next.text == "'":
-            raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")
-        if self.accept("("):
-            self.take(), self.expect(")", "a bracket is not closed")
-        self.expect("=", "expected = and a rate, as in y'=-2*y")
-        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", *_UNKNOWNS.findall(self.text))
-        self.sum()
-        self.in_rate, self.numbers = False, ()
-        if self.next.kind == NAME and self.next.column == self.tokens[self.at - 1].end:
-            raise self.error(
-                self.next, f"{self.next.shown} is not an unknown or a function; write a product as t*y or t y"
-            )
-        return self.piece(first.column, self.tokens[self.at - 1].end)
-
-    def continues(self) -> bool:
-        """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""
-        after, inside, closed = (self.after(self.at + i) for i in range(3))
-        at = after.text == "(" and inside.kind == NUMBER and closed.text == ")"  # y(0), not y(1 - y)
-        begins = after.text in ("=", "'") or after.kind == NUMBER or at
-        return super().continues() and (self.next.text == "(" or not begins)
-
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
         """Parse a setting NAME=LITERAL after its name; the equals sign is optional, and steps means N."""
         self.accept("=")
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
         said = [token.text for token in self.tokens]
         if key not in SETTINGS and said.count(key) < 2 and PROBLEM not in said:
-            raise self.error(name, _NO_SETTING.format(name.shown))
+            raise self.error(name, wording.ASKED_ELSEWHERE.get(name.text, _NO_SETTING.format(name.shown)))
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self.after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):
             raise self.error(self.next, f"write it with a point: {before.text}.{after.text}")
-
-    def put(self, found: Any, name: Token, key: str, read: Callable[[], Any]) -> None:
-        """Store under `key` what `read` returns; refuse a second one, and equations together with rates= or from."""
-        if not isinstance(found, dict) or found.get(key, {}) != {}:
-            raise self.error(name, f"{name.shown} is given twice")
-        found[key] = read()

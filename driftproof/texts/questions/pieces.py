@@ -1,11 +1,12 @@
-"""Parse the parts of a question: numbers, lists, and the names of methods, files and readouts."""
+"""Parse the parts of a question: numbers, lists, rates, and the names of methods, files and readouts."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from fractions import Fraction
 from functools import cache
+from typing import Any
 from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
@@ -14,11 +15,9 @@ from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
-# Words that are parts of a query by themselves.
-WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
-
-# An unknown in front of two primes and a sign of equality.
+# What has a derivative in an equation.
+UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 
 
 def without_accents(text: str) -> str:
@@ -44,11 +43,15 @@ def with_roots_spelled(text: str) -> str:
     return re.sub(r"√([0-9]+\.[0-9]+|\w+)", r"sqrt(\1)", text).replace("√(", "sqrt(")
 
 
+def with_calls_bracketed(text: str) -> str:
+    """The text with sin(t) for sin t, and cos(2t) for cos 2t."""
+    return re.sub(r"\b(sin|cos|tan|tanh|exp|ln|log|sqrt) (\w+)(?![\w(])", r"\1(\2)", text)
+
+
 def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
     """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
     power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"
-    found = unknowns and "e" not in unknowns
-    return re.sub(power, lambda to: f"exp({to[1] or to[2]})", text) if found else text
+    return text if "e" in unknowns else re.sub(power, lambda to: f"exp({to[1] or to[2]})", text)
 
 
 @cache
@@ -73,6 +76,7 @@ class PieceParser(ExpressionParser):
     example = "ask for example: step rk4 h=1/2 : q"
     refusal = QuestionError
     token = staticmethod(_token)
+    in_rate = False
 
     def __init__(self, question: str, largest_power: int) -> None:
         """Cut the question into tokens; accents count in names of files and in quotes only."""
@@ -87,7 +91,7 @@ class PieceParser(ExpressionParser):
         found, alone, last = first, keys_of_name(first.text), first
         for i, token in enumerate(self.tokens[self.at :], self.at):
             after = self.after(i)
-            if token.text in "=:,()" or after.text == "=" or token.text in (*WORDS, "at", "from"):
+            if token.text in "=:,()" or after.text == "=" or token.text in ("at", "from"):
                 break
             if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
                 break
@@ -143,6 +147,36 @@ class PieceParser(ExpressionParser):
             ends += [token.column, token.end] if token.text == "," and not depth else []
         ends.append(last.column)
         return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
+
+    def rate(self) -> Token:
+        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query."""
+        prime = self.take()
+        if self.next.text == "'":
+            raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")
+        if self.accept("("):
+            self.take(), self.expect(")", "a bracket is not closed")
+        self.expect("=", "expected = and a rate, as in y'=-2*y")
+        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", *UNKNOWNS.findall(self.text))
+        self.sum()
+        self.in_rate, self.numbers = False, ()
+        if self.next.kind == NAME and self.next.column == self.tokens[self.at - 1].end:
+            raise self.error(
+                self.next, f"{self.next.shown} is not an unknown or a function; write a product as t*y or t y"
+            )
+        return self.piece(first.column, self.tokens[self.at - 1].end)
+
+    def continues(self) -> bool:
+        """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""
+        after, inside, closed = (self.after(self.at + i) for i in range(3))
+        at = after.text == "(" and inside.kind == NUMBER and closed.text == ")"  # y(0), not y(1 - y)
+        begins = after.text in ("=", "'") or after.kind == NUMBER or at
+        return super().continues() and (self.next.text == "(" or not begins)
+
+    def put(self, found: Any, name: Token, key: str, read: Callable[[], Any]) -> None:
+        """Store under `key` what `read` returns; refuse a second one, and equations together with rates= or from."""
+        if not isinstance(found, dict) or found.get(key, {}) != {}:
+            raise self.error(name, f"{name.shown} is given twice")
+        found[key] = read()
 
     def bracketed(self) -> list[Token]:
         """Consume and return the tokens from the next one, an opening bracket, to its closing bracket."""

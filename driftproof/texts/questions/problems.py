@@ -30,7 +30,6 @@ from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
-from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
 from driftproof.texts.questions.runs import evaluations, explicit_slopes
 
 # At most this many steps: some minutes in balls of a few hundred bits.
@@ -303,19 +302,6 @@ def _distance(a: _Row, b: _Row) -> arb:
 
 def _enclosed(x: CertifiableReal) -> Answer:
     return Answer("", x, CERTIFIED)
-
-
-def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> dict[str, Callable[[], Answer]]:
-    """The readouts of y' = λy, y(0) = 1, by name: y = R(hλ)^N, exact.y = exp(λt), two errors, and steps."""
-    exact = partial(NUMBER_FUNCTIONS["exp"][0], Answer("", rate * h * steps))
-    y = partial(raised, factor, Fraction(steps))
-    return {
-        "y": y,
-        "exact.y": exact,
-        "state_error": lambda: NUMBER_FUNCTIONS["abs"][0](OPERATIONS["-"](y(), exact())),
-        "relative_error": lambda: NUMBER_FUNCTIONS["ratio"][0](OPERATIONS["-"](y(), exact()), exact()),
-        "steps": lambda: Answer("", Fraction(steps)),
-    }
 
 
 def problem_of_name(name: str, parameters: Mapping[str, Fraction]) -> ProblemTable:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 _Entry = TypeVar("_Entry")
 
-START_AT_REST = (Fraction(1), Fraction(0))
-
 
 class QueryContext:
     """A query within the question `text`."""
@@ -33,7 +31,7 @@ class QueryContext:
     def start(self) -> tuple[Fraction, Fraction]:
         """The initial state of the oscillator, (1, 0) by default. Raises QuestionError for another dimension."""
         if self.query.start is None:
-            return START_AT_REST
+            return Fraction(1), Fraction(0)
         if len(self.query.start) != 2:
             raise self.error(None, "a start is a position and a velocity, as in 1,0")
         for entry in self.query.start:
@@ -43,7 +41,7 @@ class QueryContext:
 
     @property
     def about_problem(self) -> Token | None:
-        """The token that names or begins a problem y' = f(t, y); None for the oscillator and for y' = lambda y."""
+        """The token that names or begins a problem y' = f(t, y); None for the oscillator."""
         return self.query.problem or next(iter(self.query.rates), None)
 
     def error(self, token: Token | None, reason: str) -> QuestionError:
@@ -59,7 +57,7 @@ class QueryContext:
         if self.query.readout is not None:
             readout = ""  # it is told, if only in words
         elif self.head in ("step", "run", "exact"):
-            readout = readout or ("error" if self.about_problem or "lambda" in self.query.settings else "q")
+            readout = readout or ("error" if self.about_problem else "q")
         method = " with rk4" * (self.query.subject is None and self.head in ("step", "run"))
         ends = f" : {given.strip() or readout}" * bool(colon or readout)
         return f"; ask for example: {asked.rstrip()}{method}{lacks}{ends}"
@@ -119,8 +117,8 @@ class QueryContext:
         with self.refused(at):
             return found.member(parse_number(at.text, found.parameter))
 
-    def require_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
-        """Raise QuestionError for any part but these settings, words, and `parts`, such as start, readout and unit."""
+    def require_only(self, *settings: str, parts: Iterable[str] = ()) -> None:
+        """Raise QuestionError for any part but these settings and `parts`, such as start, readout and unit."""
         query = self.query
         if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
@@ -134,9 +132,6 @@ class QueryContext:
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes no settings"
                 raise QuestionError(self.text, number.column, f"{self.head} does not take {name} here; {takes}")
-        for name, token in query.words.items():
-            if name not in words:
-                raise self.error(token, f"{self.head} does not take the word {name}")
         if query.start is not None and "start" not in parts:
             raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
         if query.readout is not None and "readout" not in parts:
@@ -150,12 +145,12 @@ class QueryContext:
             raise self.error(None, f"{self.head} needs {name}, as in {example}{self.ask_for(f' {example}')}")
         return self.query.settings[name].value
 
-    def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
+    def readout(self, table: Mapping[str, _Entry]) -> _Entry:
         """The entry of the table that the readout names; without a readout, the only entry. Raises QuestionError."""
         token = self.query.readout
         if token is None and len(table) == 1:
             return next(iter(table.values()))
-        names = f"the readouts are {', '.join(table)}{more}"
+        names = f"the readouts are {', '.join(table)}"
         if token is None:
             lacks = f"{self.head} needs a readout after a colon; {names}{self.ask_for('', next(iter(table)))}"
             raise self.error(None, lacks)

@@ -1,23 +1,22 @@
-"""Answers about the oscillator: readouts of steps, runs and the exact flow, and bounds of rounding errors."""
+"""Answers about the oscillator: readouts of steps, runs and the exact flow."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
 
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
-from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 
 _State = tuple[Fraction, Fraction]
 
@@ -88,24 +87,18 @@ RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "h": lambda run: Answer("", run.h),
     "t": lambda run: Answer("", run.t),
 }
-_SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
 
 
-def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
-    """A slope kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method; None if that is not the readout.
-
-    kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for other methods and for stages beyond the last.
-    """
-    named = _SLOPE.fullmatch(readout)
-    if named is None:
-        return None
-    method, number = run.method, int(named[1])
+def run_readouts(method: Method) -> dict[str, Callable[[OscillatorRun], Answer]]:
+    """The readouts of a run; of an explicit Runge-Kutta method also the slopes k1.q, k1.v, ... of its first step."""
     if not (isinstance(method, RungeKutta) and method.explicit):
-        raise ValueError(f"{method.key} has no slopes k1, k2, ...; only explicit Runge-Kutta methods do")
-    if number > method.stages:
-        raise ValueError(f"{method.key} has only the slopes k1 to k{method.stages}")
-    slopes = explicit_slopes(method, lambda _, y: (y[1], -y[0]), Fraction(0), run.start, run.h)
-    return _answer(slopes[number - 1]["qv".index(named[2])])
+        return RUN_READOUTS
+
+    def slope(i: int, j: int, run: OscillatorRun) -> Answer:
+        return _answer(explicit_slopes(method, lambda _, y: (y[1], -y[0]), Fraction(0), run.start, run.h)[i][j])
+
+    slopes = {f"k{i + 1}.{'qv'[j]}": partial(slope, i, j) for i in range(method.stages) for j in (0, 1)}
+    return RUN_READOUTS | slopes
 
 
 def explicit_slopes(
@@ -136,30 +129,6 @@ def in_unit(angle: Answer, unit: str) -> Answer:
 UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
 
 
-def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) -> int:
-    """A number N of steps to t that reaches a state error of at most `error`, while N - 1 steps do not.
-
-    The search doubles the number of steps until it suffices, then bisects. Raises ValueError if LARGEST_STEP_COUNT
-    steps do not suffice, and for error <= 0.
-    """
-
-    def reached(steps: int) -> bool:
-        off = run_of(method, t / steps, t, start).state_error
-        return certified_sign(lambda: enclose(off) - enclose(error)) <= 0
-
-    if error <= 0:
-        raise ValueError("the error to reach must be positive")
-    low = steps = 1
-    while not reached(steps):
-        if steps == LARGEST_STEP_COUNT:
-            raise ValueError(f"{method.key} does not reach this error with {LARGEST_STEP_COUNT} steps")
-        low, steps = steps, min(2 * steps, LARGEST_STEP_COUNT)
-    while steps - low > 1:
-        middle = (low + steps) // 2
-        low, steps = (low, middle) if reached(middle) else (middle, steps)
-    return steps
-
-
 def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> OscillatorRun:
     """The exact run. Raises ValueError if h does not divide t, M has a pole at h, or the steps are too many."""
     run = OscillatorRun(method, h, t, start)
@@ -167,50 +136,3 @@ def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> Oscillato
         raise ValueError("more than 10**18 steps, which is the largest number allowed")
     _ = run.final_state  # evaluated now, so that a pole raises here and not later
     return run
-
-
-# Readouts of a rounding bound: entries of E(h) by row and column, components of a state, and the growth per step.
-BOUND_ENTRIES = {"qq": (0, 0), "qv": (0, 1), "vq": (1, 0), "vv": (1, 1)}
-BOUND_READOUTS = (*BOUND_ENTRIES, "q", "v", "c")
-
-
-def rounding_bound(context: QueryContext) -> Answer:
-    """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT`: a bound of a rounding error, in units of u.
-
-    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v bound |dq| and |dv| of a step from the
-    start, r(h) included; c is the growth per step in the norm of the step. h and the start are rounded to the nearest
-    doubles. The bounds hold for states from which no operation of the step overflows; other starts are refused.
-    """
-    from driftproof.numeric.steppers import hand_written
-    from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
-    from driftproof.symbolic.rounding.formats import BINARY64
-    from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
-    from driftproof.symbolic.rounding.step_bound import step_bound
-
-    context.require_only("h", words=("sharp",), parts=("start", "readout"))
-    h, method = context.setting("h", "h=1/4"), context.method()
-    readout = context.readout(dict(zip(BOUND_READOUTS, BOUND_READOUTS, strict=True)))
-    with context.refused():
-        h = BINARY64.nearest(h)
-        if h == 0:
-            raise ValueError("the step size h must not be 0")
-        subject = hand_written(method) or method
-        start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
-        if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
-            raise ValueError(
-                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, so no bound holds; "
-                f"it does not overflow for |q|, |v| <= {safe_state_text(safe)}"
-            )
-        sharp = "sharp" in context.query.words
-        if readout == "c":
-            found = run_bound(subject, h, 1, START_AT_REST, BINARY64).growth
-        elif readout in BOUND_ENTRIES:
-            row, column = BOUND_ENTRIES[readout]
-            bound = fixed_step_bound(subject, h).linear if sharp else step_bound(subject).at(h)
-            found = bound.error[row][column]
-        else:
-            of_state = (
-                fixed_step_bound(subject, h).error_of(*start) if sharp else step_bound(subject).error_of(h, *start)
-            )
-            found = of_state["qv".index(readout)]
-        return Answer("", found / BINARY64.u, unit="u", is_bound=True)

@@ -49,9 +49,8 @@ FACT_WORDS = {
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
     **dict.fromkeys(("principal_error_norm", "principal_error_constant"), "principal_error:squared_norm:sqrt"),
     **{"energy_factor": "energy_multiplier", "dissipation_error": "dissipation", "stiff_decay": "l_stable"},
-    **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
     **dict.fromkeys(("one_step", "first_step", "single_step"), "step"),
-    **{head: head for head in ("step", "run", "exact", "roundoff")},
+    **{head: head for head in ("step", "run", "exact")},
     **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
     **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
 }
@@ -59,23 +58,12 @@ FACT_WORDS = {
 # Ambiguous name -> what it may mean, as error messages show it.
 _LINES = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
 LIMITS = f"{_LINES}; for a problem of your own there is driftproof stability mine.toml"
-_DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or dissipation METHOD (of its amplitude)"
 _KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
-_DIGITS = "run METHOD h=1/10 t=1 : relative_error, or roundoff METHOD h=1/4 : c (bound on the rounding of a step, in u)"
-_GROWS = "energy_multiplier METHOD h=1/4 (factor per step), or step METHOD h=1/4 : energy_change (change in one step)"
-_SIGNED = "error_constant METHOD or its negative: computed minus exact for one-step methods, else the reverse"
-_B_STABLE = "algebraically_stable METHOD, which is equivalent if no stage is superfluous"
-_SPECTRUM = "stability_function METHOD z=-1/2 (y' = λy, z = hλ) or one_step_matrix METHOD h=1/2 : M_qq (oscillator)"
-_ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
-_AT_THE_END = (
-    "run METHOD h=1/10 t=1 : energy_change (at the end), or run METHOD y'=-y, y(0)=1, h=1/10, t=1 : largest_error"
-)
-_TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximum")
+_ROUNDOFF = "the command driftproof roundoff METHOD --h 1/4 (bounds on the rounding of a step)"
+_MOST = ("largest", "max", "maximal", "maximum")
 _SIZES = ("h", "step", "step_size", "time_step")
-_POWER = "(the leading power of h), or one less, as in most papers"
-_TURNS = "dispersion METHOD (leading phase error of a step), or run METHOD h=1/10 t=1 : phase_error"
 # Of a splitting, whose orbit is no circle: the angle of a step depends on where it begins.
 PHASE_PER_STEP = (
     "phase_error_per_step may mean dispersion METHOD (leading phase error of a step, in radians), or "
@@ -89,25 +77,14 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
-    **dict.fromkeys(("digits", "number_of_digits"), _DIGITS),
-    **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
-    **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
-    **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _GROWS),
-    **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
-    **{f"{what}_order": f"{what} METHOD : power {_POWER}" for what in ("dispersion", "dissipation")},
+    **dict.fromkeys(("roundoff", "rounding_error", "roundoff_error"), _ROUNDOFF),
+    **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _KEPT),
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
-    **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
-    **{f"{most}_{what}": _AT_THE_END for most in _MOST for what in _ENERGY_ERRORS},
-    "cost": "stages METHOD, evaluations_per_step METHOD, or run METHOD h=1/10 t=1 : evaluations",
-    **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
-    "machine_epsilon": "2**-52 (from 1 to the next binary64 number) or 2**-53 (the unit roundoff u)",
-    "unit_roundoff": "2**-53 (binary64) or 2**-24 (binary32)",
 }
 
 # Synonym -> setting.
 OTHER_SETTINGS = {
     **{"steps": "N", "n": "N", "dt": "h", "T": "t"},
-    **dict.fromkeys(("tol", "tolerance", "reach"), "error"),
     **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
     **dict.fromkeys(("h_lambda", "hlambda"), "z"),
 }
@@ -124,11 +101,12 @@ WORDED_COUNTS = {word: n for n, word in enumerate(_COUNT_WORDS, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
 # Word that has no place in a question -> the question that answers it.
-ASKED_ELSEWHERE = {"stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4"}
-# A number of digits, which is an option and not part of a question.
-TO_DIGITS = re.compile(
-    r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
-)
+_COUNTED = "how many steps reach an error is what driftproof work-precision tells; with h or N a run tells its error"
+ASKED_ELSEWHERE = {
+    **dict.fromkeys(("error", "tol", "tolerance", "reach"), _COUNTED),
+    **dict.fromkeys(("started", "starting", "starts"), "what starts a multistep method is said as in started=rk4"),
+    "stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4",
+}
 # Coefficients of a tableau: a21, a_10_2, b1, bhat1 of the embedded weights, c3; and slopes such as k1.q.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
 SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")

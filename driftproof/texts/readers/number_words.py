@@ -37,16 +37,17 @@ _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$",
 
 # A number of steps as N = 100.
 COUNT_GIVEN = re.compile(r"(?<!\w)[nN] ?= ?([1-9][0-9]{0,4})(?![\w.])")
-# A count of steps in digits or, below twenty, in words.
+# A count of steps in digits or, below twenty, in words, the last also in "after one step and ... after two".
 _STEPS = re.compile(
-    rf"(?<![\w.])([0-9]{{1,5}}|(?<!of )(?<!than )(?<!three and )(?:{_UNIT})) (?:time |equal )?step(?:s\b|\b(?! ?size))",
+    rf"(?<![\w.])([0-9]{{1,5}}|(?<!of )(?<!than )(?<!three and )(?:{_UNIT})) (?:time |equal )?step(?:s\b|\b(?! ?size))"
+    rf"|(?<=\bafter )({_UNIT})(?=[.,;)])",
     re.IGNORECASE,
 )
 
 
 def counts_of_steps(text: str) -> list[int]:
     """How many steps the text speaks of, in "200 steps", "one step" or "after five steps", in order."""
-    found = (match[1].lower() for match in _STEPS.finditer(text))
+    found = ((match[1] or match[2]).lower() for match in _STEPS.finditer(text))
     return [int(count) if count.isdigit() else _SMALL.index(count) for count in found]
 
 

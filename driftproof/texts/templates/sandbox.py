@@ -120,17 +120,17 @@ class Sandbox(SandboxedEnvironment):
         self,
         loader: FolderLoader,
         kind: TextKind,
-        functions: dict[str, Callable[..., Any]],
+        ask: Callable[..., Any],
         filters: dict[str, Callable[..., Any]],
         finalize: Callable[[Any], Any],
     ) -> None:
-        """Take functions and filters that accept the keyword PLACE; `finalize` turns printed values into text."""
+        """Take value and filters that accept the keyword PLACE; `finalize` turns printed values into text."""
         super().__init__(
             loader=loader, undefined=StrictUndefined, autoescape=kind is HTML, finalize=finalize,
             keep_trailing_newline=True, auto_reload=False,
         )  # fmt: skip
-        self.placed = {**functions, **filters}
-        self.globals = {**functions, "range": safe_range, "namespace": Namespace}
+        self.placed = {"value", *filters}
+        self.globals = {"value": ask, "range": safe_range, "namespace": Namespace}
         self.filters = {name: self.filters[name] for name in FILTERS} | filters
         self.places = _Lexer(self, kind is LATEX)
 
@@ -144,9 +144,8 @@ class Sandbox(SandboxedEnvironment):
     ) -> str:
         """Compile; locate every expression at its first token, and pass our functions and filters their place."""
         for call in source.find_all(nodes.Call):
-            called = getattr(call.node, "name", None)
-            if called in self.placed:
-                question = next((x for x in call.args if called == "value" and isinstance(x, nodes.Const)), None)
+            if getattr(call.node, "name", None) == "value":
+                question = next((x for x in call.args if isinstance(x, nodes.Const)), None)
                 at = question.lineno + 1 if question else _first(call)  # after the quotation mark
                 call.kwargs.append(_place_keyword(name, at, question is not None))
         for applied in source.find_all(nodes.Filter):

@@ -6,7 +6,6 @@ import re
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -20,11 +19,8 @@ from driftproof.support.files import named_beside
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, Sandbox, TemplatePlace, TemplateProblem
-from driftproof.texts.templates.template_values import VALUE_FILTERS, NumberStyle, TemplateValue, methods_table
+from driftproof.texts.templates.template_values import VALUE_FILTERS, NumberStyle, TemplateValue
 from driftproof.texts.templates.text_kinds import HTML, MARKDOWN, TextKind, is_code, kind_of
-
-# The functions and filters whose result is markup, which is not escaped in HTML.
-_MARKUP = ("methods_table", "mathml")
 
 
 class Template:
@@ -35,9 +31,8 @@ class Template:
         self.asked = 0
         self.style = NumberStyle(kind, style or kind.style, rounding)
         self.loader = FolderLoader(template)
-        ours = {"value": self._value, "methods_table": partial(methods_table, self._value)}
-        functions, filters = ({name: self._placed(name, f) for name, f in x.items()} for x in (ours, VALUE_FILTERS))
-        self.sandbox = Sandbox(self.loader, kind, functions, filters, self._finalized)
+        filters = {name: self._placed(name, f) for name, f in VALUE_FILTERS.items()}
+        self.sandbox = Sandbox(self.loader, kind, self._placed("value", self._value), filters, self._finalized)
 
     def text(self) -> str:
         """The rendered text. Raises TemplateProblem for any error in the template."""
@@ -79,7 +74,7 @@ class Template:
                 except TypeError as error:
                     raise Refusal(f"{name}: {error}") from None
                 found = function(*given, **named)
-                return Markup(found) if name in _MARKUP and self.style.kind is HTML else found
+                return Markup(found) if name == "mathml" and self.style.kind is HTML else found
 
         return call
 

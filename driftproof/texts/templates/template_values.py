@@ -1,26 +1,20 @@
-"""Values in templates: the result of value(...), the filters that format it, and tables of methods."""
+"""Values in templates: the result of value(...), and the filters that format it."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import NoReturn, TypeAlias
+from typing import NoReturn
 
-from driftproof.methods.given_methods import subject_of
-from driftproof.methods.multistep import Multistep
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
-from driftproof.texts.questions.runs import RUN_READOUTS
 from driftproof.texts.templates.sandbox import Refusal
 from driftproof.texts.templates.text_kinds import LATEX, MARKDOWN, TextKind
 from driftproof.texts.writing import markup
 
 _STYLES = {"plain": PLAIN, "printed": PRINTED}
-_MOST_CELLS = 10_000
-_COLUMN = re.compile(r"(?P<asked>.*?)(?: (?P<form>(?:digits|places)(?= [0-9]{1,6}$)|exact$)(?P<count>.*))?", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -138,65 +132,3 @@ def _written(write: Callable[[], str], call: str = "") -> str:
         raise Refusal(f'{error.text!r}: {error.reason}, as in {call}, rounding="half-even")') from None
     except QuestionError as error:
         raise Refusal(f"{error.text!r}: {error.reason}") from None
-
-
-# The function that answers a question of a template.
-_Ask: TypeAlias = Callable[[NumberStyle, str], TemplateValue]
-
-
-def methods_table(
-    ask: _Ask,
-    style: NumberStyle,
-    methods: Sequence[str],
-    columns: Sequence[str] | Mapping[str, str],
-    h: str | None = None,
-    t: str | None = None,
-) -> str:
-    """A table with a row per method and a column per fact, or per readout of the run to t with steps of size h.
-
-    A column may say how to write its numbers: "state_error digits 4", "energy_change places 3", "imaginary_limit
-    exact"; otherwise they must be short. ∞ stands for oo, and a dash where a method has no such fact. A mapping gives
-    the titles of the columns: {"Calls": "evaluations"}. Raises Refusal, and what `ask` raises.
-    """
-    if isinstance(methods, str) or not all(isinstance(key, str) for key in methods):
-        raise Refusal('methods are a list of keys, as in ["rk4", "forward_euler"]')
-    asked = list(columns.values() if isinstance(columns, Mapping) else columns)
-    if isinstance(columns, str) or not all(isinstance(column, str) for column in asked):
-        raise Refusal('columns are a list, as in ["state_error digits 4", "evaluations"], or named in a mapping')
-    parsed = [match for column in asked if (match := _COLUMN.fullmatch(column))]
-    names = columns if isinstance(columns, Mapping) else [match["asked"].replace("_", " ") for match in parsed]
-    titles = [name[:1].upper() + name[1:] if name[1:] and not isinstance(columns, Mapping) else name for name in names]
-    if not 0 < len(methods) * len(parsed) <= _MOST_CELLS:
-        raise Refusal(f"a table of methods has from 1 to {_MOST_CELLS} cells; name methods and columns")
-    run = "" if h is None and t is None else f"h={h} t={t}"
-    rows = [[style.kind.escape(name) for name in ("Method", *titles)]]
-    try:
-        subjects = {key: subject_of(key) for key in methods}
-    except ValueError as error:
-        raise Refusal(str(error)) from None
-    multistep = {isinstance(one, Multistep) for one in subjects.values()}
-    if len(multistep) > 1 and any(match["asked"].startswith("error_constant") for match in parsed):
-        raise Refusal("error constants of one-step and multistep methods differ in sign; give them in two tables")
-    for key in methods:
-        cells = (_cell(ask, style, key, column, run) for column in parsed)
-        rows.append([style.kind.escape(subjects[key].title), *cells])
-    return style.kind.table(rows)
-
-
-def _cell(ask: _Ask, style: NumberStyle, key: str, column: re.Match[str], run: str) -> str:
-    head, _, rest = column["asked"].partition(" ")
-    of_run = head in RUN_READOUTS
-    if of_run and not run:
-        raise Refusal(f"the column {head!r} is a readout of a run; give h and t")
-    none, infinity = (r"\textendash{}", r"\ensuremath{\infty}") if style.kind is LATEX else ("–", "∞")
-    try:
-        found = ask(style, f"run {key} {run} : {column['asked']}" if of_run else f"{head} {key} {rest}".rstrip())
-    except QuestionError as error:
-        if of_run or not re.search(r"\bhas no \w+(?:[:;]|\Z)", error.reason):
-            raise
-        return none
-    if found._value.exact_text == "oo":
-        return infinity
-    if column["form"] is None:
-        return str(found)
-    return VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))

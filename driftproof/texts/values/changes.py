@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -13,18 +13,17 @@ from typing import Any, TypeAlias
 
 from flint import fmpz
 
-from driftproof.methods.expression_tree import parse_form
 from driftproof.support.files import read_utf8
-from driftproof.support.plain_text import annotation, as_json, table
+from driftproof.support.plain_text import as_json, table
 from driftproof.support.results import Printable
 
-# Kind of change -> its words in the singular and plural, and the level of its annotation; the most serious first.
+# Kind of change -> its words in the singular and plural; the most serious first.
 CHANGES = {
-    "value": ("value changed", "values changed", "error"),
-    "digits": ("only in digits", "only in digits", "notice"),
-    "wording": ("only in wording", "only in wording", "notice"),
-    "added": ("added", "added", "notice"),
-    "removed": ("removed", "removed", "warning"),
+    "value": ("value changed", "values changed"),
+    "digits": ("only in digits", "only in digits"),
+    "wording": ("only in wording", "only in wording"),
+    "added": ("added", "added"),
+    "removed": ("removed", "removed"),
 }
 # Larger files are refused: 64 MB hold some hundred thousand values.
 _LARGEST_FILE = 64 * 10**6
@@ -36,8 +35,6 @@ _LONGEST_TEXT = 40
 _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "reason", "generator"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
-# Names that the exact form of an irrational number may contain.
-_NAMES = frozenset(("sqrt", "cbrt", "exp", "log", "log2", "log10", "sin", "cos", "atan", "atan2", "abs", "Abs", "pi"))
 
 # The keys and list positions that lead to a leaf of the document, and the leaf.
 Leaf: TypeAlias = tuple[tuple[str, ...], Any]
@@ -72,25 +69,9 @@ def read_values(path: Path) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise ValueError(f"{path}: not a JSON object; give the output of `driftproof value --only '*'`")
     for place, leaf in _leaves(read):
-        if isinstance(leaf, dict) and leaf:
-            exact = leaf.get("exact")
-            # A quotient by 0 is a formula, too, and so a changed value beside what it was before.
-            fits = exact is None or _number(exact) is not None or _is_formula(exact)
-            for part in ["decimal"] * (_rounded(leaf["decimal"]) is None) + ["exact"] * (not fits):
-                raise ValueError(f"{path}: {_name(place)}: {part} is {str(leaf[part])[:60]!r}, not a number")
+        if isinstance(leaf, dict) and leaf and _rounded(leaf["decimal"]) is None:
+            raise ValueError(f"{path}: {_name(place)}: decimal is {str(leaf['decimal'])[:60]!r}, not a number")
     return read
-
-
-def _is_formula(text: Any) -> bool:
-    """True for a formula in integers and the functions of _NAMES."""
-    if not isinstance(text, str):
-        return False
-    short = re.sub("(?<![a-z0-9])[0-9]+", "1", text)  # integers may have more digits than int() accepts
-    try:
-        parse_form(short)
-    except ValueError:
-        return False
-    return set(re.findall("[A-Za-z_][A-Za-z_0-9]*", short)) <= _NAMES
 
 
 def _name(place: tuple[str, ...]) -> str:
@@ -233,7 +214,7 @@ class Changes(Printable):
         return all(change.kind != "value" for change in self.found)
 
     def written(self, form: str) -> str:
-        """The changes as "text", the most serious first, as "json", or as "github" annotations on the new file."""
+        """The changes as "text", the most serious first, or as "json"."""
         counts = Counter(change.kind for change in self.found)
         if form == "json":
             files = {"old": str(self.old), "new": str(self.new)}
@@ -241,8 +222,6 @@ class Changes(Printable):
             return as_json({**files, "changes": listed, "counts": {kind: counts[kind] for kind in CHANGES}})
         counted = ", ".join(f"{counts[kind]} {words[counts[kind] != 1]}" for kind, words in CHANGES.items())
         counted = counted if self.found else f"{self.old} and {self.new} say the same"
-        if form == "github":
-            return "\n".join([*_annotations(self.found, self.new), counted])
         rows = [[kind, change.id, str(change)] for kind in CHANGES for change in self.found if change.kind == kind]
         return f"{table(rows)}\n\n{counted}" if rows else counted
 
@@ -261,15 +240,3 @@ def diff(old: str | Path, new: str | Path) -> Changes:
     """
     before, after = Path(old), Path(new)
     return Changes(tuple(changes(read_values(before), read_values(after))), before, after)
-
-
-def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:
-    """An annotation per change, on the first line that begins with its id or first key, else on line 1."""
-    lines: dict[str, int] = {}
-    for number, line in enumerate(new.read_text(encoding="utf-8-sig").splitlines(), start=1):
-        if match := re.match(r'\s*"([^"]*)":', line):
-            lines.setdefault(match[1], number)
-    for change in changes:
-        at = lines.get(change.id) or lines.get(re.split(r"[.\[]", change.id)[0], 1)
-        title, _, level = CHANGES[change.kind]
-        yield annotation(level, f"{change.id}: {change}", file=new, line=at, title=title)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from functools import cache
@@ -45,30 +43,12 @@ def published_values(pattern: str = "*") -> PublishedValues:
     return chosen
 
 
-def render_values(values: PublishedValues, form: str) -> str:
-    """The values in one of VALUE_FORMATS; JSON is the complete one."""
-    return VALUE_FORMATS[form](values)
-
-
 def _as_markdown(values: PublishedValues) -> str:
     lines = ["| id | exact | decimal | printed |", "|---|---|---|---|"]
     for key, value in values.items():
         exact = f"`{value['exact']}`" if value["exact"] else ""
-        lines.append(f"| `{key}` | {exact} | {value['decimal']} | {', '.join(_prints(value))} |")
+        lines.append(f"| `{key}` | {exact} | {value['decimal']} | {', '.join(sorted({*value['printed'].values()}))} |")
     return "\n".join(lines)
-
-
-def _as_csv(values: PublishedValues) -> str:
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["id", "exact", "decimal", "printed", "evidence"])
-    for key, value in values.items():
-        writer.writerow([key, value["exact"] or "", value["decimal"], " ".join(_prints(value)), value["evidence"]])
-    return out.getvalue().rstrip("\n")
-
-
-def _prints(value: Mapping[str, Any]) -> Iterable[str]:
-    return sorted(set(value["printed"].values()))
 
 
 def _as_tex(values: PublishedValues) -> str:
@@ -105,6 +85,7 @@ def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:
     return found
 
 
+# Format -> what writes the values; JSON is the complete one.
 VALUE_FORMATS: dict[str, Callable[[PublishedValues], str]] = {
     "json": lambda values: as_json({**_document(), "values": values}),
     "md": _as_markdown,
@@ -115,5 +96,4 @@ VALUE_FORMATS: dict[str, Callable[[PublishedValues], str]] = {
         .replace(NO_VALUES, f"export const values = {as_json(values)};")
         .rstrip("\n")
     ),
-    "csv": _as_csv,
 }

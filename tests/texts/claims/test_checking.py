@@ -26,11 +26,6 @@ def test_one_phrase_serves_every_format(form, text):
     assert stands(text.replace("3.3", "3.4"), one, form) == 0
 
 
-def test_case_counts_unless_told():
-    assert stands("Is 0.33", claim("is {value}")) == 0
-    assert stands("Is 0.33", claim("is {value}", "ignore_case = true")) == 1
-
-
 def findings(text, one):
     (outcome,) = check_claims(document_of(text), [one])
     return [(finding.line, finding.column, finding.expected, finding.found) for finding in outcome.findings]
@@ -109,7 +104,7 @@ def test_a_number_that_another_claim_holds_is_not_called_wrong():
 
 
 def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be():
-    capitals = "The error is 0.4 here", HERE, "differs in capitals; ignore_case = true allows that"
+    capitals = "The error is 0.4 here", HERE, "differs in capitals"
     for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "nowhere in the text; expected once")):
         (outcome,) = check_claims(document_of(text), [claim(phrase)])
         assert said in outcome.findings[0].message

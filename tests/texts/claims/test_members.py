@@ -63,24 +63,6 @@ def test_a_limit_of_the_step_size_is_found_not_chosen():
         assert held(document := document_of(said), draft(document, "a"))[GIVEN] == given, said
 
 
-COSTS = """For y' = -3y, y(0) = 2 to t = 2:
-
-| {} | steps | error |
-|---|---|---|
-| Heun | {} | 3e-7 |
-| {} | {} | 2e-7 |
-"""
-
-
-@pytest.mark.parametrize(
-    ("filled", "given"),
-    [(("Method", 245, "RK4", 26), 0), (("Method", 40, "RK4", 40), 2), (("Method", 40, "Heun", 80), 2)],
-)
-def test_numbers_of_steps_that_methods_need_are_found_and_those_that_all_take_are_chosen(filled, given):
-    document = document_of(COSTS.format(*filled), "markdown")
-    assert held(document, draft(document, "a"))[GIVEN] == given + 3
-
-
 def test_a_chosen_cell_is_no_reason_for_the_same_number_in_another_column():
     text = "| z | R(z) Euler | note |\n|---|---|---|\n| -1 | 0 | a |\n| -2 | -1 | b |\n"
     claims = tomllib.loads(draft(document_of(text, "markdown"), "a"))["claim"]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.properties import properties_in, properties_in_items, properties_in_tables
+from driftproof.texts.claims.properties import properties_in
 
 
 @pytest.mark.parametrize(
@@ -33,17 +33,6 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
     assert found[0].phrase == found[1].phrase == "trapezoidal rule is A-stable but not L-stable"
 
 
-def test_a_table_says_yes_or_no_under_the_name_of_a_property():
-    text = "| Method | Order | A-stable |\n| RK4 | 4 | yes |\n| BDF2 | 2 | yes |\n| BDF3 | 3 | no |\n| Adams | 3 | - |"
-    found = [*properties_in_tables(text)]
-    assert [(one.question, one.answer, one.holds) for one in found] == [
-        ("a_stable rk4", "yes", False),
-        ("a_stable bdf2", "yes", True),
-        ("a_stable bdf3", "no", True),
-    ]
-    assert [one.phrase for one in found][::2] == ["rk4 is a-stable", "bdf3 is not a-stable"]
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -53,16 +42,3 @@ def test_a_table_says_yes_or_no_under_the_name_of_a_property():
 )
 def test_nothing_is_read_into_other_words_questions_and_denials(text):
     assert not [*properties_in(text)]
-
-
-@pytest.mark.parametrize(
-    ("said", "holds"),
-    [
-        ("Trapezoidal rule: order 2, A-stable but not L-stable.", [True, True]),
-        ("Trapezoidal rule: order 2, A-stable and L-stable.", [True, False]),
-        ("Trapezoidal rule: L-stable for no step.", []),
-        ("Gauss with two stages: symplectic?", []),
-    ],
-)
-def test_an_item_says_the_properties_of_the_method_before_its_colon(said, holds):
-    assert [one.holds for one in properties_in_items(f"Methods:\n{said}\nEnd")] == holds

@@ -51,7 +51,7 @@ def test_report_for_github_escapes_what_it_must():
     (line,) = report.written("github").splitlines()
     assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
     suggested = TextReport.of("a.txt", document_of("is 0.1234"), Claims(), suggest=True).written("github")
-    assert suggested == "::notice file=a.txt,line=1,col=4,title=coverage::no claim covers 0.1234"
+    assert suggested == "::notice file=a.txt,line=1,col=4,title=not covered::'is 0.1234'"
 
 
 def test_least_coverage_fails_a_text_with_new_numbers():
@@ -161,7 +161,7 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
     assert [tuple(one.values()) for one in report.as_dict()["slips"]] == places
     shown = report.written("text")
     assert f"{text}:2:44: 74.3 is perhaps a slip: angle bdf4 is 73.4\n" in shown
-    assert ", all hold; 2 perhaps wrong\n" in shown
+    assert ", all hold; 2 perhaps wrong\nwhat is right is kept by a claim" in shown
     assert report.written("github").count("::warning file=") == 2
     text.write_text(right, encoding="utf-8")
     assert (check(text).slips, check(text).passed) == ((), True)

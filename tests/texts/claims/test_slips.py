@@ -358,9 +358,6 @@ ROWS = """For s' = -2s + 1, s(0) = 0 and t = 1:
 | Heun error | 5.029e-03 | 1.056e-03 | 4.76 |
 | RK4 error | 4.037e-05 | 2.133e-06 | 18.93 |
 """
-ROWS_OF_ORDERS = (
-    ROWS.replace("ratio", "observed order").replace("2.06", "1.04").replace("4.76", "2.25").replace("18.93", "4.24")
-)
 COLUMNS_OF_RUNS = """For s' = -2s + 1, s(0) = 0, here are the errors at t = 1:
 | h | Euler s | Euler error | Heun error | RK4 error |
 | 0.2 | 0.461120 | 0.0288 | 0.00503 | 4.04e-05 |
@@ -373,13 +370,10 @@ COLUMNS_OF_RUNS = """For s' = -2s + 1, s(0) = 0, here are the errors at t = 1:
     [
         (ROWS, {}),
         (ROWS, {"5.029e-03": "4.037e-05", "4.037e-05": "5.029e-03"}),  # exchanged
-        (ROWS, {"2.06": "3.06"}),
         (ROWS, {"4.76": "4.77"}),  # of rounded errors
         (COLUMNS_OF_RUNS, {}),
-        (COLUMNS_OF_RUNS, {"0.461120": "0.435200"}),  # a step too early
         (COLUMNS_OF_RUNS, {"0.00106": "0.00137"}),
         (COLUMNS_OF_RUNS, {"0.0140": "0.0288"}),  # three digits with the last zero
-        (ROWS_OF_ORDERS, {"1.04": "1.36"}),
     ],
 )
 def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):

@@ -17,12 +17,12 @@ from driftproof.texts.questions.evaluate import value
 
 REFUSED = questions_of("refusals")
 QUESTIONS = (*questions_of("runs", "facts", "arithmetic"), *REFUSED)
-ASKED = (*QUESTIONS, *questions_of("bounds"))
+ASKED = QUESTIONS
 # What a question may be made of, and what an attacker would put into it.
 PIECES = sorted(
     {token.text for asked in ASKED for token in ExpressionParser(asked.replace("'", "")).tokens}
     | {"1e1200", "1e-1200", "9" * 60, "h=1e300", "N=1000000000000", "t=1e1000", "gauss10", "yoshida8", "ssprk40_2"}
-    | {"**64", "((", "))", "at", "from", "sharp", ",", "=", "{{", "\x00", "é", "−", "\n", "__class__", ".", "..", "0"}
+    | {"**64", "((", "))", "at", "from", ",", "=", "{{", "\x00", "é", "−", "\n", "__class__", ".", "..", "0"}
 )
 
 
@@ -40,7 +40,7 @@ def answer_or_refuse(question):
         answer.mathml()
     except QuestionError as refusal:
         assert str(refusal).count("\n") == 0  # noqa: PT017 - whether there is a refusal is not the question
-        assert 1 <= refusal.column <= len(question) + 1  # noqa: PT017
+        assert 1 <= refusal.column <= len(refusal.text) + 1  # noqa: PT017 - Greek letters are spelled out there
 
 
 @given(st.text(max_size=60))

@@ -55,7 +55,7 @@ REFUSED = [
     ("order rk4 rk4", 11, "unexpected 'rk4'; a colon and a readout may follow"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
     ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
-    ("step rk4 k=1/2 : q", 10, "'k' is not a setting; use h, t, N, steps, error, z, lambda, problem"),
+    ("step rk4 k=1/2 : q", 10, "'k' is not a setting; use h, t, N, steps, z, lambda, problem"),
     ("R(-2)", 1, "stability_function needs a method"), ("R(2*2) rk4", 4, "unexpected '*' in a number"),
     ("R(-2 rk4", 6, "the bracket of R is not closed; found 'rk4'"),
     ("step rk4 h=1/2 from 1 : q", 1, "a start is a position and a velocity"),

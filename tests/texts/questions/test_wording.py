@@ -65,8 +65,6 @@ SAME = {
     "run rk4 λ=-2 h=1/4 t=1 : y": "run rk4 lambda=-2 h=1/4 t=1 : y",
     "log(2)": "ln(2)", "e^-0.5": "e ** (-1/2)",
     "how many stages does Dormand-Prince have?": "stages dormand_prince54",
-    "how many steps does RK4 need for error 1e-3 at t=2": "steps of RK4 t=2 error=1e-3",
-    "step size of RK4 to reach error=1e-3 at t=2": "run rk4 t=2 error=1e-3 : h",
     "y(1) of Heun for y'=-y, y(0)=1, h=0.1": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
     "run heun2 y'=y-exp(1) y(0)=1 h=1/10 t=1 : y": "run heun2 rates=(y0-exp(1)) from 1 h=1/10 t=1 : y0",
     "q(10) of RK4 h=1/4": "run rk4 h=1/4 t=10 : q",
@@ -78,7 +76,6 @@ SAME = {
     "slope k2.v of RK4 h=1/2": "step rk4 h=1/2 : k2.v",
     "number of function evaluations of RK4 h=1/4 t=1": "16",
     "does radau_iia2 have stiff decay?": "l_stable radau_iia2",
-    "roundoff error of RK4 h=1/4 : q": "roundoff rk4 h=1/4 : q",
     "global error of RK4 with step 0.1 at t=1": "run rk4 h=1/10 t=1 : state_error",
     "error of RK4, step size = 0.1, at t=1": "run rk4 h=1/10 t=1 : state_error",
     "error of RK4 with time step h=0.1 over N=10 steps": "run rk4 h=1/10 t=1 : state_error",
@@ -95,9 +92,9 @@ SAME = {
     "principal error norm of RK4": "sqrt(principal_error rk4 : squared_norm)",
     "stability interval of RK4 on the imaginary axis": "imaginary_limit rk4", "solve_ivp RK45 order": "5",
     "sin(3*pi/2)^2": "sin(1*pi/2)",
+    "run rk4 y'=sin t - cos 2t, y(0)=1, h=1, t=1 : y": "run rk4 rates=(sin(t)-cos(2*t)) from 1 h=1 t=1 : y0",
     "Euler method y'=y, y(0)=1, h=0.1, y(1)": "(11/10)**10", "RK4 h=1/4, q(10)": "run rk4 h=1/4 t=10 : q",
     "ratio(q of RK4 h=1 t=1, q(2) of RK4 h=1)": "ratio(run rk4 h=1 t=1 : q, run rk4 h=1 t=2 : q)",
-    "steps RK4 needs to reach 1e-3 at t=2": "steps of RK4 t=2 error=1e-3",
     "error of Heun for y'=-2y, y(0)=1, h=0.1, t=1": "run heun2 rates=(-2*y0) from 1 h=1/10 t=1 : state_error",
     "run rk4 y' = -2 y y(0)=1 h=0.1 t=1 : y": "run rk4 rates=(-2*y0) from 1 h=1/10 t=1 : y0",
     "run rk4 y'=y(1-y), y(0)=0.1, h=1/2, t=1 : y": "run rk4 rates=(y0*(1-y0)) from 1/10 h=1/2 t=1 : y0",
@@ -105,7 +102,6 @@ SAME = {
     "run rk4 dy/dt=2sin(t)y + t y, y(0)=1, h=1/2, t=1 : y": "run rk4 rates=(2*sin(t)*y0+t*y0) from 1 h=1/2 t=1 : y0",
     "run rk4 x'=2v, v'=-3x, x(0)=2, v(0)=0, h=1, t=1 : x": "run rk4 rates=(2*y1,-3*y0) from 2,0 h=1 t=1 : y0",
     "run rk4 y'=-2 y(0)=1 h=1/2 t=1 : y": "run rk4 rates=(-2) from 1 h=1/2 t=1 : y0",
-    "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
     "velocity-Verlet order": "order velocity_verlet",
     "run rk4 h=1/4, problem=pendulum, t=1 : y0": "run rk4 problem=pendulum h=1/4 t=1 : y0",
     "one RK4 step with h=0.5 : q": "step rk4 h=1/2 : q", "the first RK4 step, h=0.5 : q": "step rk4 h=1/2 : q",
@@ -148,18 +144,12 @@ REFUSED = [
     ("order rk4 rk4", 11, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
     ("phase error per step of velocity Verlet h=0.1", 1, "may mean dispersion velocity_verlet (leading phase error of"),
     ("phase error of Verlet per step with h=0.1", 1, "(of the step from (1, 0), whose orbit is no circle): say which"),
-    ("period of velocity Verlet", 1, "period may mean dispersion velocity Verlet (leading phase error of a step)"),
     ("energy of RK4 after 1000 cycles", 21, "a period is not a whole number of steps"),
     ("run rk4 h=1 t=1 from (1,0 : q", 27, "the bracket of a start is not closed"),
     ("invariant symplectic_euler z=1", 28, "invariant does not take z here"),
     ("run rk4 h=1 t=1 z=2 : q", 17, "run does not take z here"),
-    ("1/3 rounded to 5 digits", 4, "digits are not part of the question: use --digits 5, or | digits(5) in a template"),
-    ("pi to 4 decimal places", 3, "places are not part of the question: use --places 4, or | places(4) in a template"),
-    ("local truncation error constant of Heun", 1, "may mean error_constant Heun or its negative: computed minus"),
-    ("how many digits does RK4 lose in 1000 steps", 10, "digits may mean run RK4 h=1/10 t=1 : relative_error"),
     ("order of gauss4 for stiff problems", 21, "for the order on stiff problems, ask for stage_order"),
     ("b[2] of RK4", 2, "coefficients are b2 and a21, counted from 1"),
-    ("roundoff gauss2 h=1/4 : q", 1, "no explicit step; `driftproof certify` encloses the error of a run"),
     ("R(2i) of RK4", 3, "z must be real; |R(iy)|^2 is energy_multiplier METHOD h=y"),
     ("bhat1 of RK4", 1, "rk4 has no bhat1"),
     ("c5 of RK4", 1, "rk4 has no c5"),
@@ -169,16 +159,15 @@ REFUSED = [
     ("exact problem=pendulum at 2 t=1 : y0", 27, "exact takes no method"),
     ("energy drift of RK4 per period", 21, "a period is not a whole number of steps"),
     ("error of RK4 on the pendulum with h=0.1", 21, "to name a problem, write problem=pendulum"),
+    ("BDF2 started with backward Euler : y", 6, "what starts a multistep method is said as in started=rk4"),
     ("error of RK4 on the string with h=0.1", 21, "unexpected 'string'; a colon and a readout may follow"),
     ("RK4", 1, "RK4 is a method; ask for one of its values, as in order rk4, or run rk4 h=0.1 t=1 : q"),
     ("rk4(h=0.1)", 1, "rk4 is a method, not a function; ask for example: order rk4"),
-    ("steps of RK4 t=10 error=0", 1, "the error to reach must be positive"),
-    ("steps of symplectic Euler t=10 error=1e-40", 1, "does not reach this error with 1000000000000000000 steps"),
+    ("steps of RK4 t=10 error=1e-3", 19, "how many steps reach an error is what driftproof work-precision tells"),
     ("k2 of RK4 for y'=y, y(0)=1, h=0.1", 1, "'k2' is not a readout of step; the readouts are y, exact.y"),
-    ("rounding error of RK4 with h=0.1", 1, "roundoff needs a readout after a colon; the readouts are qq"),
+    ("rounding error of RK4 with h=0.1", 1, "the command driftproof roundoff RK4 --h 1/4"),
     ("f(1) + 1", 1, "'f' is not a function; the functions are abs"),
     ("z(1) of Heun for y'=-y, y(0)=1, h=0.1", 1, "'z' is not a readout of run; the readouts are y"),
-    ("roundoff rk4 h=1/4 t=1 : qq", 20, "roundoff does not take t here"),
     ("total energie of RK4", 1, "'total energie' is not a known fact or readout"),
     ("phase- error of RK4 h=1 t=1", 1, "'phase' is not the id of a published value"),
     ("rk4 y'=y y(0)=1 h=1 y(1) rk4", 23, "time starts at 0"),
@@ -211,7 +200,7 @@ def test_a_question_that_lacks_something_is_shown_with_it_ready_to_be_asked(ques
 
 
 def test_a_part_of_a_longer_question_that_lacks_something_is_not_completed():
-    with pytest.raises(QuestionError, match=r"needs a readout after a colon; the readouts are [a-z, _.0-9]*\.\.\.$"):
+    with pytest.raises(QuestionError, match=r"needs a readout after a colon; the readouts are [a-z, _.0-9]*$"):
         value("order of 'BDF 2' + RK4 h=1 t=1")
 
 
@@ -228,7 +217,7 @@ def test_what_an_expression_may_mean_is_a_question_that_is_answered():
     settings = r"(?: y'=-y, y\(0\)=1,)?(?: [hzt]=[-0-9/]+,?(?= ))*(?: : \w+)?"
     pasted = re.compile(rf"(?<!driftproof )\b[a-z]\w+ METHOD{settings}")
     meant = {name for meaning in AMBIGUOUS_FACTS.values() for name in pasted.findall(meaning)}
-    for example in some(sorted(meant), 14):
+    for example in some(sorted(meant), 8):
         method = "symplectic Euler" if example.startswith("invariant") else "RK4"
         found = value(example.replace("METHOD", method))
         assert found.is_number or found.exact_text
@@ -237,19 +226,6 @@ def test_what_an_expression_may_mean_is_a_question_that_is_answered():
 def test_other_words_lead_to_names_that_there_are_and_hide_none():
     readouts = {*RUN_READOUTS, "largest_error"}
     assert [name for name in some(READOUT_WORDS.values()) if name not in readouts] == []
-    known = {*FACTS, "roundoff", "exact", "step", "run"}
+    known = {*FACTS, "exact", "step", "run"}
     assert [name for name in some(FACT_WORDS.values()) if name.partition(":")[0] not in known] == []
     assert [name for name in some([*FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS]) if name in FACTS] == []
-
-
-@pytest.mark.parametrize(("method", "error"), [("rk4", "1e-6"), ("forward_euler", "1e-2"), ("velocity_verlet", "999")])
-def test_number_of_steps_to_an_error_is_one_with_which_it_is_reached_and_with_one_less_it_is_not(method, error):
-    n = value(f"steps of {method} to t=10 with error={error}").exact
-    off = [float(value(f"run {method} t=10 N={k} : state_error")) for k in (n, max(n - 1, 1))]
-    assert off[0] <= float(error)
-    assert off[1] > float(error) or n == 1
-    assert value(f"run {method} to t=10 with tol={error} : h").exact * n == 10
-
-
-def test_an_error_is_refused_only_if_the_largest_number_of_steps_does_not_reach_it():
-    assert 2**59 < value("steps of forward_euler to t=10 with error=1/16000000000000000").exact < 10**18

@@ -24,7 +24,6 @@ PROBLEMS = [
     ('{{ value("order " ~ "nope") }}', 1, 4, "'order nope', column 7: unknown method 'nope'"),
     ("{{ value(3) }}", 1, 11, "a question is a string"), ("{{ value('pi', 2) }}", 1, 11, "value: too many positional"),
     ("{{ value('pi') | digits }}", 1, 18, "digits: missing a required argument: 'count'"),
-    ("{{ methods_table(['rk4'], ['order'], k=1) }}", 1, 4, "methods_table: got an unexpected keyword argument 'k'"),
     ('{{ value("5/8") | digits(2) }}', 1, 19,
      "half-even gives 0.62, half-away 0.63; choose a rounding, as in digits(2"),
     ('{{ value("rk4.default.energy_change") }}', 1, 4, "needs a format: write | digits(6)"),
@@ -47,13 +46,6 @@ PROBLEMS = [
     ("x {% endfor %}", 1, 6, "Encountered unknown tag 'endfor'."),
     ("x\n{# never closed", 2, 1, "Missing end of comment tag"),
     ("{{ 1 | center(10) }}", 1, 8, "'center' is not a filter; the filters are capitalize, join"),
-    ("{{ methods_table(['rk4'], ['state_error']) }}", 1, 4, "'state_error' is a readout of a run; give h and t"),
-    ("{{ methods_table(['nope'], ['order']) }}", 1, 4, "unknown method 'nope'"),
-    ("{{ methods_table([], ['order']) }}", 1, 4, "a table of methods has from 1 to 10000 cells"),
-    ("{{ methods_table('rk4', ['order']) }}", 1, 4, "methods are a list of keys"),
-    ("{{ methods_table(['rk4'], 'order') }}", 1, 4, "columns are a list"),
-    ("{{ methods_table(['rk4'], [3]) }}", 1, 4, "columns are a list"),
-    ("{{ methods_table(['backward_euler'], ['evaluations'], h='1/4', t='1') }}", 1, 4, "backward_euler is implicit"),
     ("x\n\ufdd0", 2, 1, "the noncharacter U+FDD0 is not allowed in a text"),
 ]  # fmt: skip
 
@@ -91,7 +83,7 @@ TAGS = [
 WORDS = re.findall(
     r"\S+",
     """
-    ( ) [ ] { } | ~ * ** + - / // % , . : == = ' " 1 x true 0.5 'a' value value('1/3') methods_table digits digits(3)
+    ( ) [ ] { } | ~ * ** + - / // % , . : == = ' " 1 x true 0.5 'a' value value('1/3') digits digits(3)
     places(2) exact tex mathml if else endif for i in endfor range(3) set macro m() endmacro raw endraw include 't.j2'
     namespace() loop not is defined block b endblock self super() caller() filter upper endfilter
 """,

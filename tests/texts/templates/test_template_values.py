@@ -2,8 +2,7 @@
 
 import pytest
 
-from driftproof.texts.templates.sandbox import Refusal, TemplateProblem
-from driftproof.texts.templates.template_values import NumberStyle, methods_table
+from driftproof.texts.templates.sandbox import TemplateProblem
 from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN
 
 Q, V = 'value("rk4.first_step.q")', 'value("rk4.first_step.v")'
@@ -54,20 +53,6 @@ def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become):
         become(asked, LATEX)
 
 
-def test_headings_of_columns_are_what_is_asked_in_words(become):
-    first = become('{{ methods_table(["rk4"], ["q digits 3", "state_error places 3", "order"], h="1/2", t="1") }}')
-    assert first.splitlines()[0] == "| Method | q | State error | Order |"
-
-
-def test_a_column_of_error_constants_has_one_sign_convention(become):
-    """Of one-step methods the sign is computed minus exact, of multistep methods exact minus computed."""
-    table = '{{ methods_table(["forward_euler", OTHER], ["order", COLUMN]) }}'
-    assert "-1/120" in become(table.replace("OTHER", '"rk4"').replace("COLUMN", '"error_constant"'))
-    assert "BDF" in become(table.replace("OTHER", '"bdf2"').replace("COLUMN", '"a_stable"'))
-    with pytest.raises(TemplateProblem, match="of one-step and multistep methods differ in sign"):
-        become(table.replace("OTHER", '"bdf2"').replace("COLUMN", '"error_constant"'))
-
-
 def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become):
     tie = '{{ value("-5/8") | places(2) }}'
     assert become('{% set style = "printed" %}{% set rounding = "half-away" %}' + tie) == "−0.63"
@@ -76,27 +61,3 @@ def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become)
     macro = '{% macro m() %}{{ value("-1/2") | places(1) }}{% endmacro %}'
     imported = '{% set style = "printed" %}{% import "m.j2" as m with context %}{{ m.m() }}'
     assert become(imported, m_j2=macro) == "−0.5"
-
-
-def test_a_table_has_ten_thousand_cells_at_most():
-    style = NumberStyle(MARKDOWN, "plain", None)
-
-    def ask(_, question):
-        raise LookupError(question)
-
-    with pytest.raises(LookupError, match="order rk4"):
-        methods_table(ask, style, ["rk4"] * 100, ["order"] * 100)
-    for methods, columns in ((["rk4"] * 10_001, ["order"]), ([], ["order"]), (["rk4"], [])):
-        with pytest.raises(Refusal, match="a table of methods has from 1 to 10000 cells"):
-            methods_table(ask, style, methods, columns)
-
-
-@pytest.mark.parametrize(("kind", "infinity", "none"), [(MARKDOWN, "∞", "–"), (LATEX, r"\infty", r"\textendash")])
-def test_a_table_has_infinity_and_a_dash_where_a_method_has_no_such_fact(become, kind, infinity, none):
-    keys = '["rk4", "trapezoid", "velocity_verlet", "bdf2"]'
-    table = become("{{ methods_table(" + keys + ', {"A": "real_limit digits 4", "B": "l_stable"}) }}', kind)
-    rows = [line for line in table.splitlines() if "RK4" in line or "Trap" in line or "Verlet" in line or "BDF" in line]
-    assert [infinity in row for row in rows] == [False, True, False, True]
-    assert [row.count(none) for row in rows] == [0, 0, 2, 1]
-    with pytest.raises(TemplateProblem, match="'nosuch' is not a known fact"):
-        become('{{ methods_table(["rk4"], ["nosuch"]) }}', kind)

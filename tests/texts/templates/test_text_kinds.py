@@ -1,29 +1,10 @@
-"""What a file is called says which kind of text it holds; words, tables and code are written in that kind."""
+"""What a file is called says which kind of text it holds; words and code are written in that kind."""
 
 from pathlib import Path
 
 import pytest
 
-from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN, TEXT_KINDS, is_code, kind_of
-
-TABLE = (
-    '{{ methods_table(["forward_euler", "rk4"], {"A_1": "energy_change digits 2", "Limit": "imaginary_limit exact"},'
-    ' h="1/4", t="10") }}'
-)
-TABLES = {
-    MARKDOWN.name: "| Method | A\\_1 | Limit |\n| --- | ---: | ---: |\n| Forward Euler | 5.2 | 0 |\n"
-    "| Classical RK4 | -0.000067 | 2\\*sqrt(2) |",
-    HTML.name: "<table>\n<thead><tr><th>Method</th><th>A_1</th><th>Limit</th></tr></thead>\n<tbody>\n"
-    "<tr><td>Forward Euler</td><td>5.2</td><td>0</td></tr>\n"
-    "<tr><td>Classical RK4</td><td>-0.000067</td><td>2*sqrt(2)</td></tr>\n</tbody>\n</table>",
-    LATEX.name: "\\begin{tabular}{lrr}\nMethod & A\\_1 & Limit \\\\\n\\hline\nForward Euler & 5.2 & 0 \\\\\n"
-    "Classical RK4 & \\ensuremath{-0.000067} & 2*sqrt(2) \\\\\n\\end{tabular}",
-}
-
-
-@pytest.mark.parametrize("kind", TEXT_KINDS, ids=lambda kind: kind.name)
-def test_table_of_methods_is_written_in_the_kind_of_the_text(kind, become):
-    assert become(TABLE, kind) == TABLES[kind.name]
+from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN, is_code, kind_of
 
 
 @pytest.mark.parametrize(

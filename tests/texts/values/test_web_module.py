@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from driftproof.symbolic.algebra.certified import fixed, significant
-from driftproof.texts.values.published import MODULE_FILE, NO_VALUES, published_values, render_values
+from driftproof.texts.values.published import MODULE_FILE, NO_VALUES, VALUE_FORMATS, published_values
 from tests.looping import some
 
 NODE = shutil.which("node")
@@ -29,7 +29,7 @@ def script(tmp_path_factory):
     folder = tmp_path_factory.mktemp("module")
 
     def run(values, code):
-        (folder / "driftproof.mjs").write_text(render_values(values, "js"), encoding="utf-8")
+        (folder / "driftproof.mjs").write_text(VALUE_FORMATS["js"](values), encoding="utf-8")
         (folder / "main.mjs").write_text(
             'import * as module from "./driftproof.mjs";\n'
             "const said = (ask) => { try { return ask(); } catch (error) { return `Error: ${error.message}`; } };\n"
@@ -150,4 +150,4 @@ def test_remark_shows_a_short_exact_form_and_else_the_decimal(script):
 def test_module_holds_one_place_for_the_values():
     module = MODULE_FILE.read_text(encoding="utf-8")
     assert module.count(NO_VALUES) == 1
-    assert NO_VALUES not in render_values(published_values(), "js")
+    assert NO_VALUES not in VALUE_FORMATS["js"](published_values())

@@ -113,7 +113,7 @@ def test_decimals_in_tex_and_mathml_have_powers_of_ten():
     assert decimal_markup("0.479", MATHML) == "<mn>0.479</mn>"
     assert decimal_markup("1.2e30", MATHML) == "<mrow><mn>1.2</mn><mo>·</mo><msup><mn>10</mn><mn>30</mn></msup></mrow>"
     assert value("rk4.first_step.v").tex(digits=3) == "-0.479"
-    assert value("-1/8").tex(places=2, style=Style("tofixed")) == "-0.13"
+    assert value("-1/8").tex(places=2, style=Style("half-away")) == "-0.13"
     assert value("run rk4 h=1/1000 t=10 : state_error").tex(digits=2) == r"8.3 \cdot 10^{-14}"
 
 
