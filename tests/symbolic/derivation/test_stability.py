@@ -32,7 +32,7 @@ from driftproof.symbolic.derivation.one_step import (
 )
 from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, minimal_polynomial_of, multipliers, stability_limit
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.linear.stability_limits import bounded_limit
+from driftproof.symbolic.linear.stability_limits import bounded_powers
 from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 from tests.symbolic.linear.test_stability_limits import POWERS
@@ -112,7 +112,7 @@ def test_limit_with_long_coefficients_is_found_without_a_list_of_all_roots(
 ) -> None:
     monkeypatch.setattr(sympy.CRootOf, "_get_reals", None)  # it takes minutes, and was asked for
     m = one_step_matrix(METHODS[key])
-    limit, expected = stability_limit(m), bounded_limit(oscillator_matrix(METHODS[key]))
+    limit, expected = stability_limit(m), bounded_powers(oscillator_matrix(METHODS[key])).limit
     assert isinstance(expected, RealRoot)
     assert enclose_expression(limit).overlaps(expected.ball())
     assert integer_coefficients(minimal_polynomial_of(m, limit)) in (
