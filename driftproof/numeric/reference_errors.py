@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from decimal import ROUND_FLOOR, Decimal, localcontext
+from decimal import ROUND_FLOOR, Decimal, DecimalException, localcontext
 from fractions import Fraction
 from math import atan2, degrees, dist, hypot, isfinite
 from operator import add, ge, gt, le, lt, mul, sub, truediv
@@ -109,7 +109,10 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
 
 def decimal_energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
     """E of a state of floats or fractions. Raises ArithmeticError if a function in E is undefined there."""
-    return _evaluated(problem, problem.energy or "0", state)
+    try:
+        return _evaluated(problem, problem.energy or "0", state)
+    except DecimalException:
+        raise ArithmeticError("the energy has no value at a state reached") from None
 
 
 def _evaluated(problem: Problem, text: str, state: Iterable[float | Fraction]) -> Decimal:

@@ -84,6 +84,11 @@ def test_energy_computes_functions_far_below_rounding(name: str, function: objec
     assert abs(square - 1) < Decimal("1e-50")
 
 
+def test_an_energy_without_a_value_is_said_in_words() -> None:
+    with pytest.raises(ArithmeticError, match="the energy has no value at a state reached"):
+        decimal_energy(replace(DECAY, energy="log(y0)"), [-1.0])
+
+
 def test_floor_of_an_energy_is_a_rounding_of_each_component_times_its_derivative() -> None:
     kepler = PROBLEMS["kepler"]
     x, y, v, w = map(float, kepler.reference.states[-1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
@@ -15,10 +15,12 @@ from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
-from driftproof.numeric.work_precision.integrators import Integrator, integrator
+from driftproof.numeric.work_precision.integrators import Integrator, has_numba, integrator
 
 # The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.
 FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
+# For a goal an implicit method is run with up to so many, compiled; and the fewest are found to within a part NEAR.
+MOST_FOR_GOAL, NEAR = 2**16, 1 / 16
 # Numbers of steps that would have to be multiples of more than this land on the last of the reference's times only.
 LARGEST_UNIT = 64
 # A curve ends after this many points whose whole error rounding may explain: its floor (chosen: one may be luck).
@@ -50,6 +52,7 @@ class Point:
     scale: float = inf
     remark: str = ""
     steps: int | None = None
+    between: bool = False  # not one of the doublings that an order is read from, but the cheapest run for a goal
 
     @property
     def error(self) -> float:
@@ -92,7 +95,7 @@ class Curve:
     def _slopes(self) -> list[float]:
         return [
             log2(coarse.error / fine.error) / log2(fine.steps / coarse.steps)
-            for coarse, fine in pairwise(self.points)
+            for coarse, fine in pairwise([point for point in self.points if not point.between])
             if coarse.steps and fine.steps and counts(coarse) and counts(fine)
         ]
 
@@ -128,8 +131,10 @@ def counts(point: Point) -> bool:
 def lasting(points: Sequence[Point], goal: float, which: str = "final") -> list[Point]:
     """The points, finest first, whose error is at most `goal`, up to a run of more that is no matter of rounding.
 
-    The error of a run that is coarser than that is small by chance, as where a step is a period of the force.
+    The error of a run that is coarser than that is small by chance, as where a step is a period of the force. The
+    largest error on the way is known of runs that land on the reference's times, and so not of those in between.
     """
+    points = [point for point in points if which == "final" or not point.between]
     sizes = [(point, getattr(point.errors[STATE], which)) for point in reversed(points) if point.errors]
     good = takewhile(lambda each: each[0].error < each[0].scale and each[1] <= max(goal, each[0].doubt), sizes)
     return [point for point, size in good if size <= goal]
@@ -146,6 +151,31 @@ def step_counts(problem: Problem, most: int = MOST) -> tuple[int, ...]:
     first = unit * -(-FEWEST // unit)
     doubled = (first << i for i in range(most.bit_length()))
     return tuple(steps for steps in doubled if steps <= most)
+
+
+def for_goal(curve: Curve, method: Entry, problem: Problem, goal: float) -> list[Point]:
+    """The points of a compiled curve and those that a goal asks for: longer runs up to one that meets it, the least.
+
+    Between a number of steps that meets the goal at the end and half of it the fewest are found by bisection, to a part
+    NEAR. Finer runs meet it, too; a coarser one that does so by luck is not looked for.
+    """
+    points = [point for point in curve.points if not point.between]
+    if curve.refused or not points:
+        return points
+    runs = integrator(method, problem, compiled=True)
+    while not lasting(points, goal) and (steps := 2 * (points[-1].steps or MOST_FOR_GOAL)) <= MOST_FOR_GOAL:
+        if method.explicit or not points[-1].errors or not has_numba() or points[-1].error <= points[-1].doubt:
+            break
+        points.append(measured(problem, runs, steps))
+    if not (met := lasting(points, goal)) or met[-1] is points[0]:
+        return points
+    at = points.index(met[-1])
+    found, low = points[at], points[at - 1].steps or 0
+    while (found.steps or 0) - low >= max(2, NEAR * low):
+        middle = (low + (found.steps or 0)) // 2
+        tried = measured(problem, runs, middle)
+        found, low = (tried, low) if lasting([tried], goal) else (found, middle)
+    return points if found is points[at] else [*points[:at], replace(found, between=True), *points[at:]]
 
 
 def curve_of(

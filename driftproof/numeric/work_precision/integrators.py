@@ -22,6 +22,7 @@ from driftproof.numeric.problems.problem import Problem
 COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"
 KINDS = (COMPILED, PYTHON, ENSEMBLE)
 MEMBERS = BLOCK
+COMPILED_FROM = 2**10
 
 # call(steps) -> a function without arguments that returns the final state; calling it is what is timed.
 TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
@@ -62,15 +63,15 @@ def kinds_of_trajectories() -> tuple[str, ...]:
 def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` adds numba's runs, which give the errors of explicit methods.
 
-    Errors of implicit methods are computed in Python, which takes less time than compiling them. Raises MethodError
-    with the reason if the method does not apply, such as a splitting on a problem of first order.
+    Errors of implicit methods are computed in Python up to COMPILED_FROM steps, which takes less time than compiling.
+    Raises MethodError with the reason if the method does not apply, such as a splitting on a problem of first order.
     """
     fast = compiled and has_numba()
     runs = {PYTHON: advance(method, problem), **({COMPILED: advance(method, problem, compiled=True)} if fast else {})}
     start = float_start(problem)
 
     def run(steps: int) -> CountedRun:
-        best = advance(method, problem, compiled=fast and method.explicit)
+        best = advance(method, problem, compiled=fast and (method.explicit or steps > COMPILED_FROM))
         states, y, h = dict[Fraction, State](), start, float_step(problem.t, steps)
         stops = [(Fraction(0), 0), *steps_at_known_times(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):

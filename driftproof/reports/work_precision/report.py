@@ -14,8 +14,8 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_IMPLICIT, Curve, Point, lasting
-from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON
+from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Curve, Point, lasting
+from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
 from driftproof.reports.user_problem import KINKED, kinks_of
@@ -72,7 +72,7 @@ def _least_work_json(goal: float, measured: Measured) -> Json:
 def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Point] | None:
     """The `lasting` point with the fewest evaluations; `which` error is meant, "final" or "largest"."""
     met = [(c, p) for c in measured.curves.values() for p in lasting(c.points, goal, which) if p.evaluations]
-    return min(met, key=lambda each: each[1].evaluations or 0, default=None)
+    return min(met, key=lambda each: (each[1].evaluations or 0, each[1].error), default=None)
 
 
 def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
@@ -196,7 +196,8 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         told = f"By the largest error on the way: {largest}"
         parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
     if any("not reached by N" in part for part in parts):
-        parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {MOST_IMPLICIT}, at most")
+        implicit = MOST_FOR_GOAL if study.error is not None and has_numba() else MOST_IMPLICIT
+        parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
     if study.error is not None:
         best = _work_text(study, least_work(measured, study.error, "final"))
         time = _least_time_text(study, measured, study.error)
@@ -308,6 +309,8 @@ def seconds_text(seconds: float) -> str:
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, was not run or is absent; then how times were taken."""
+    from driftproof.symbolic.claimed_orders import false_claims
+
     lines = list[str]()
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
@@ -330,6 +333,11 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
     lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
+    if study.error is not None:
+        lines.append(
+            "For that error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
+        )
+    lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")

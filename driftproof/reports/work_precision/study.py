@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
 from functools import cache, partial
 from math import isfinite
@@ -22,7 +22,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -162,6 +162,7 @@ class _Contestant:
 
     key: str
     curve: Callable[[], Curve]
+    for_goal: Callable[..., Sequence[Point]]  # for_goal(curve, goal=goal)
     calls: Callable[[], tuple[_Calls, Mapping[str, str]]]
 
 
@@ -171,15 +172,22 @@ def _contestants(study: Study) -> list[_Contestant]:
     found = list[_Contestant]()
     for method in study.methods:
         curve = partial(curve_of, method, problem, compiled=True, most=once)
-        found.append(_Contestant(method.key, curve, partial(_calls_of_method, method, problem)))
+        refined = partial(for_goal, method=method, problem=problem)
+        found.append(_Contestant(method.key, curve, refined, partial(_calls_of_method, method, problem)))
         with suppress(MethodError):  # of a method without an error estimate
             found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
             key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
             calls = partial(_calls_of_solvers, {peer.kind: solver}, float(problem.t))
-            found.append(_Contestant(key, partial(_solver_curve, key, solver, study), calls))
+            found.append(_of_solver(key, solver, study, calls))
     return found
+
+
+def _of_solver(key: str, solver: Callable[[], Solver], study: Study, calls: Any) -> _Contestant:
+    return _Contestant(
+        key, partial(_solver_curve, key, solver, study), partial(_tolerance_for_goal, solver, study), calls
+    )
 
 
 def _controlled(method: Entry, study: Study) -> _Contestant:
@@ -192,7 +200,7 @@ def _controlled(method: Entry, study: Study) -> _Contestant:
         solver()
     key, best = f"{method.key} controlled", list(solvers.values())[-1]
     calls = partial(_calls_of_solvers, solvers, float(study.problem.t))
-    return _Contestant(key, partial(_solver_curve, key, best, study), calls)
+    return _of_solver(key, best, study, calls)
 
 
 def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
@@ -224,6 +232,19 @@ def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve
     return Curve(key, key, 0, points)
 
 
+def _tolerance_for_goal(solver: Callable[[], Solver], study: Study, curve: Curve, goal: float) -> Sequence[Point]:
+    """The points with the largest tolerance that meets the goal, of 5 and 2 times the one that does."""
+    points = [point for point in curve.points if not point.between]
+    if not (met := lasting(points, goal)) or met[-1] is points[0]:
+        return points
+    at = points.index(met[-1])
+    for times in (5, 2):
+        tried = solver_point(solver(), times * float(points[at].setting), study)
+        if lasting([tried], goal):
+            return [*points[:at], replace(tried, between=True), *points[at:]]
+    return points
+
+
 def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
     """Errors and evaluations of one solve; if it does not arrive, the solver's own message."""
     problem, setting = study.problem, f"{tolerance:.0e}"
@@ -247,6 +268,11 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
         if one.key not in measured.curves:
             with stage(f"errors of {one.key}"):
                 measured.curves[one.key] = one.curve()
+            store.save()
+        if study.error is not None:
+            with stage(f"errors of {one.key} near {study.error:g}"):
+                curve = measured.curves[one.key]
+                measured.curves[one.key] = replace(curve, points=one.for_goal(curve, goal=study.error))
             store.save()
         progress(0, 1)
     for one in everybody:

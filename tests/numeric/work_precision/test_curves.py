@@ -21,7 +21,10 @@ from driftproof.numeric.work_precision.curves import (
     Point,
     counts,
     curve_of,
+    for_goal,
+    lasting,
     measure_curve,
+    measured,
     step_counts,
 )
 from driftproof.numeric.work_precision.integrators import CountedRun, Integrator, integrator
@@ -150,3 +153,33 @@ def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> 
 
     ended = measure_curve(HARMONIC, Integrator(failing, {}, {}), (8, 16, 32), most=1)
     assert [(p.setting, p.evaluations, p.remark) for p in ended] == [(n, None, "not finite") for n in ("8", "16", "32")]
+
+
+@pytest.mark.parametrize(("key", "goal"), [("rk4", 1e-4), ("heun2", 3e-3), ("gauss2", 2e-6)])
+def test_the_fewest_steps_for_a_goal_are_found_to_a_sixteenth_and_the_order_is_read_from_doublings(
+    key: str, goal: float
+) -> None:
+    """Beside the errors of all numbers of steps from half of it on, one after another."""
+    method, runs = METHODS[key], integrator(METHODS[key], HARMONIC)
+    curve = curve_of(method, HARMONIC, [8 << i for i in range(9)])
+    points = for_goal(curve, method, HARMONIC, goal)
+    (found,) = (point for point in points if point.between)
+    assert lasting(points, goal)[-1] is found
+    assert [point.steps for point in points] == sorted(point.steps or 0 for point in points)
+    fewer = range((found.steps or 0) * 15 // 16, found.steps or 0)
+    assert any(measured(HARMONIC, runs, steps).error > goal for steps in fewer)
+    better = dataclasses.replace(curve, points=points)
+    assert (better.order, better.verdict) == (curve.order, curve.verdict)
+    assert for_goal(better, method, HARMONIC, goal) == points
+    assert not method.explicit or for_goal(better, method, HARMONIC, 1e-30) == list(curve.points)
+
+
+def test_an_implicit_method_goes_on_for_a_goal_where_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    method = METHODS["implicit_midpoint"]
+    curve = curve_of(method, HARMONIC, [8, 16, 32])
+    for fast, most, last in ((True, 128, 128), (True, 64, 64), (False, 128, 32)):
+        monkeypatch.setattr(curves_module, "has_numba", lambda fast=fast: fast)
+        monkeypatch.setattr(curves_module, "MOST_FOR_GOAL", most)
+        points = for_goal(curve, method, HARMONIC, 0.01)
+        assert max(point.steps or 0 for point in points) == last
+        assert bool(lasting(points, 0.01)) is (last == 128)

@@ -1,6 +1,8 @@
 """A study of error against work: kept point by point, gone on from where it stopped, never measured twice."""
 
+import dataclasses
 import json
+import math
 import re
 from itertools import cycle
 
@@ -182,3 +184,30 @@ def test_methods_that_tell_their_error_also_choose_their_steps():
         loose, *_, tight = (point for point in found[key].points if point.errors)
         assert 1e-4 > loose.error * 1e-2 > tight.error
         assert 20 < (loose.evaluations or 0) < (tight.evaluations or 0)
+
+
+def test_the_largest_tolerance_for_an_error_is_among_one_two_and_five():
+    """A solver whose error is its tolerance: 1e-6 meets 3e-6, and so does 2e-6; each goal starts from the decades."""
+
+    class Solver:
+        once = 1
+        counted = staticmethod(lambda tolerance, t, most: 7)
+        solve = staticmethod(lambda tolerance, t: [math.cos(t) + tolerance, -math.sin(t)])
+
+    asked = study("rk4")
+    curve = work_precision._solver_curve("x", Solver, asked)
+    for goal, between in ((3e-6, ["2e-06"]), (1e-5, ["5e-06"]), (1e-9, [])):
+        points = work_precision._tolerance_for_goal(Solver, asked, curve, goal)
+        assert [point.setting for point in points] == ["1e-03", *between, "1e-06"]
+        again = dataclasses.replace(curve, points=points)
+        assert work_precision._tolerance_for_goal(Solver, asked, again, goal) == points
+
+
+def test_an_error_that_is_wanted_is_met_with_fewer_steps_than_a_doubling():
+    """To leading order RK4 errs by 10 h⁴/120, which is 0.00998 for N = 17, and 0.0127 for N = 16."""
+    found = measure(dataclasses.replace(study("rk4"), error=1e-2), None, unheard)
+    assert [point.steps for point in found.curves["rk4"].points if point.between] == [17]
+    text = study_text(dataclasses.replace(study("rk4"), error=1e-2), found)
+    assert "rk4 with h = 10/17, N = 17: 68 evaluations" in text
+    assert "the fewest steps are found to a sixteenth" in text
+    assert "sixteenth" not in study_text(study("rk4"), found)
