@@ -35,13 +35,13 @@ from driftproof.symbolic.algebra.radicals import root_decimal
 from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.stability_function import stability_function, stability_function_of_collocation
+from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import imaginary_limit, real_limit
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.trees import rooted_trees
-from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
+from driftproof.symbolic.trees.algebraic_stability import is_algebraically_stable
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import order, order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.partitioned_trees import embedded_order
@@ -99,8 +99,6 @@ def trees_and_orders() -> list[Subject]:
 def r_of(method: Any) -> dict[str, Contestant]:
     """R(z), by the method's tableau or by its nodes; over a number field as it prints."""
     read = lambda r: rational_function(r.num.coeffs(), r.den.coeffs()) if isinstance(r.num, fmpq_poly) else str(r)
-    if hasattr(method, "node_polynomial"):
-        return cold_and_warm(lambda: stability_function_of_collocation(method.node_polynomial), read)
     return cold_and_warm(lambda: stability_function(method), read)
 
 
@@ -125,7 +123,7 @@ def stability() -> list[Subject]:
             Subject(f"A- and L-stability of {key}", cold_and_warm(properties(key), verdicts))
             for key in ("radau_iia3", "gauss10")
         ),
-        Subject(ALGEBRAIC, cold_and_warm(lambda: algebraic_stability(RADAU).holds)),
+        Subject(ALGEBRAIC, cold_and_warm(lambda: is_algebraically_stable(RADAU))),
         Subject(SSP_NAME, cold_and_warm(lambda: ssp_coefficient(SSP), digits)),
     ]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.methods.catalogue import method_named
+from driftproof.methods.catalogue import entry_named
 from driftproof.methods.rationals import step_count
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.run import run_method
@@ -105,5 +105,5 @@ def test_unknown_method_is_refused() -> None:
             program.step(name, (1.0, 0.0), 0.5)
     for name in ("Leapfrog", "", "Symplectic "):  # the first is ambiguous, the others are unknown
         with pytest.raises(ValueError, match=f"^(unknown method )?{name!r}"):
-            method_named(name)
+            entry_named(name)
     assert [program.step(name, (1.0, 0.0), 0.5)[1] < 0 for name in program.METHODS] == [True] * 3

@@ -89,18 +89,6 @@ def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
     return tuple(each for each in EXTENSIONS.values() if (each.method.a, each.method.b, each.method.c) == tableau)
 
 
-def method_named(name: str) -> Method:
-    """The method with this key, common name or title, such as "rk4" or "Crank-Nicolson", case and hyphens aside.
-
-    Raises ValueError for an unknown name, for one that several methods share, with their keys, and for a method of
-    which there are only facts.
-
-    >>> method_named("semi-implicit Euler").key
-    'symplectic_euler'
-    """
-    return of_one_state(entry_named(name))
-
-
 def of_one_state(method: Entry, name: str = "") -> Method:
     """Return the method. Raises MethodError if its step takes more than one state and f; `name` may be its file."""
     if isinstance(method, FactsOnly):
@@ -117,7 +105,13 @@ def of_one_state(method: Entry, name: str = "") -> Method:
 
 
 def entry_named(name: str) -> Entry:
-    """The method that `method_named` finds, or one of which there are only facts. Raises ValueError."""
+    """The method with this key, common name or title, such as "rk4" or "Crank-Nicolson", case and hyphens aside.
+
+    Raises ValueError for an unknown name, and for one that several methods share, with their keys.
+
+    >>> entry_named("semi-implicit Euler").key
+    'symplectic_euler'
+    """
     entries: list[Entry] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys_of_name(name)]
     if len(entries) == 1:
         return entries[0]

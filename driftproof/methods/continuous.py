@@ -56,15 +56,6 @@ class ContinuousExtension(Definition):
         """For each power of θ from 0, the row of its coefficients in all weights."""
         return tuple(zip_longest(*self.weights, fillvalue=Fraction(0)))
 
-    def step_to(self, theta: Fraction) -> RungeKutta:
-        """The method (A/θ, b(θ)/θ, c/θ), whose step of size θh ends at the value of the extension; θ is not 0."""
-        values = [sum((c * theta**k for k, c in enumerate(weight)), Fraction(0)) for weight in self.weights]
-        part = 1 / theta
-        a = tuple(tuple(x * part for x in row) for row in self.a)
-        b, c = tuple(x * part for x in values), tuple(x * part for x in self.c)
-        name = f"{self.key} at theta = {theta}"
-        return RungeKutta(name, name, 0, self.source, a, b, c, decimal=self.decimal)
-
 
 def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 (6.7)") -> ContinuousExtension:
     """The cubic through y and y₁ with the slopes f(t, y) and f(t + h, y₁): of order 3 if the method has that order.

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 from driftproof.methods import expression_tree as tree
@@ -25,8 +24,6 @@ from driftproof.support.toml_tables import (
     as_text,
     as_texts,
     quoted,
-    read_toml,
-    require_keys,
 )
 
 # Characters of a rate, chosen far above any published one: a power of a power of a sum is written out as products.
@@ -121,16 +118,6 @@ def rate_of_text(text: str, names: Mapping[str, str] | None = None) -> str:
     """The expression as a `VectorField` takes it: names replaced, no decimals, no powers. Raises ExpressionError."""
     writer = _Writer(re.sub(r"\by\[(\d+)\]", r"y\1", text), names or {})  # y[1] as in Python
     return writer.bare_text(writer.tree())
-
-
-def field_of_file(path: str | Path) -> VectorField:
-    """The field of a .toml file, which may also have the other keys of a problem. Raises ValueError in one line."""
-
-    def read(table: TomlTable) -> VectorField:
-        require_keys(table, PROBLEM_KEYS, "a right-hand side")
-        return field_of_table(table)
-
-    return read_toml(path, LONGEST_PROBLEM, read)
 
 
 def field_of_table(table: TomlTable) -> VectorField:

@@ -33,7 +33,7 @@ from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
-from driftproof.symbolic.linear.ray_bounds import ALWAYS
+from driftproof.symbolic.linear.stability_limits import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
 
 # As many as the references of our own problems have.

@@ -24,7 +24,7 @@ from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
-from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
+from driftproof.symbolic.trees.algebraic_stability import is_algebraically_stable
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER, Conditions, OrderFact
 from driftproof.symbolic.trees.order_in_balls import rounded_order
@@ -159,7 +159,7 @@ class Facts(LinearFacts):
     @cached_property
     def algebraically_stable(self) -> bool | None:
         """True if the method is algebraically stable: no step moves two solutions of a contractive problem apart."""
-        return None if self._tableau is None else algebraic_stability(self._tableau).holds
+        return None if self._tableau is None else is_algebraically_stable(self._tableau)
 
     @cached_property
     def modified_equation(self) -> Mapping[Tree, Exact] | None:
@@ -278,8 +278,6 @@ def order_within(method: str | Path | Method, tolerance: ExactNumber) -> OrderWi
     """
     method = method_of(method)
     tolerance = exact_number(tolerance, "tolerance")
-    if tolerance < 0:
-        raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
 
     def within(conditions: Conditions[Any]) -> int:
         return order_conditions.order_to_tolerance(conditions, tolerance)

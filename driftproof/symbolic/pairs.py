@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
 from driftproof.symbolic.linear.fact_values import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
-from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, tableau_stages
+from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, TableauStages
 from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals, runge_kutta_conditions
 
 
@@ -62,7 +62,7 @@ def estimate_facts(method: RungeKutta) -> EstimateFacts | None:
         return None
     other = method.embedded(EMBEDDED_SUFFIX)
     row = [x - y for x, y in zip(method.b, method.b_embedded, strict=True)]
-    conditions = RungeKuttaConditions(*tableau_stages(method.a, row))
+    conditions = RungeKuttaConditions(TableauStages(method.a, row))
     difference = stability_function(method) - stability_function(other)
     ratios = (None, None) if method.decimal or method.field else _ratios(method, other)
     return described_estimate(conditions, difference, ratios)
@@ -122,7 +122,7 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
 
 def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence[RingElement]]:
     """A function of n: the coefficients of all powers of θ in Σ bᵢ(θ) Φᵢ(t) - θⁿ/γ(t), t being the trees of order n."""
-    constant, *others = tableau_stages(extension.a, *extension.columns)
+    constant, *others = (TableauStages(extension.a, row) for row in extension.columns)
     stages = RungeKuttaConditions(constant)
     powers = [stages, *map(stages.weighed_by, others)]
 

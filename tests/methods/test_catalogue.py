@@ -11,7 +11,7 @@ from sympy import QQ, ring
 
 from driftproof import Facts, strategies
 from driftproof.methods import catalogue
-from driftproof.methods.catalogue import METHODS, method_named
+from driftproof.methods.catalogue import METHODS, entry_named
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
@@ -45,19 +45,19 @@ def test_the_other_row_of_a_pair_is_a_method_of_its_own() -> None:
     pairs = [method for method in METHODS.values() if isinstance(method, RungeKutta) and method.b_embedded is not None]
     assert len(pairs) >= 15
     for pair in pairs:
-        other = method_named(f"{pair.key}_embedded")
+        other = entry_named(f"{pair.key}_embedded")
         assert isinstance(other, RungeKutta)
         assert (other.b, other.b_embedded) == (pair.b_embedded, pair.b)
         assert (other.claimed_order, other.embedded_order) == (pair.embedded_order, pair.claimed_order)
         assert other.key not in list(METHODS)
         assert f"{other.key}_embedded" not in METHODS
-    assert Facts(method_named("fehlberg45_embedded")).order == 5
+    assert Facts(entry_named("fehlberg45_embedded")).order == 5
     assert "rk4_embedded" not in METHODS
 
 
 def test_unknown_key_names_the_closest() -> None:
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean rk4 or ") as caught:
-        method_named("rk5")
+        entry_named("rk5")
     assert "\n" not in str(caught.value)
     assert repr(METHODS).endswith(" by key: forward_euler, symplectic_euler, symplectic_euler_position_first, ...>")
     for wrong, near in (
@@ -66,7 +66,7 @@ def test_unknown_key_names_the_closest() -> None:
         ("zzzzzzzz", ""),
     ):
         with pytest.raises(ValueError, match=rf"unknown method '{wrong}'{near}.* \(.* lists all"):
-            method_named(wrong)
+            entry_named(wrong)
 
 
 def splitting_order(method: Splitting) -> int:

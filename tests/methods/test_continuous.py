@@ -34,11 +34,6 @@ def test_the_cubic_interpolates_any_cubic(theta):
     slopes = [1 + 2 * c + 3 * c * c for c in extension.c]
     assert sum(b * k for b, k in zip(values, slopes, strict=True)) == theta + theta**2 + theta**3
     assert [sum(row) * theta**k for k, row in enumerate(extension.columns)] == [0, theta, 0, 0]
-    there = extension.step_to(theta)  # a step of theta h, which ends at the same place
-    assert [theta * b for b in there.b] == values
-    assert [theta * c for c in there.c] == [*extension.c]
-    assert (there.inconsistencies(), there.claimed_order) == ({}, 0)
-    assert (there.decimal, EXTENSIONS["tsitouras54_quartic"].step_to(theta).decimal) == (False, True)
 
 
 def test_a_slope_at_the_end_is_a_stage_of_its_own_only_where_the_method_has_none():

@@ -13,7 +13,6 @@ from driftproof.methods.field_text import (
     PI,
     choices_as_functions,
     energy_of_table,
-    field_of_file,
     field_of_table,
     field_of_text,
     rate_of_text,
@@ -132,19 +131,6 @@ def test_table_holds_rates_and_exact_parameters():
     for wrong, said in (({}, "rates is missing"), ({"rates": ["y0"], "parameters": {"k": "x"}}, "parameters.k")):
         with pytest.raises(ValueError, match=said):
             field_of_table(wrong)
-
-
-def test_file_of_a_problem_is_read_within_a_limit(tmp_path):
-    path = tmp_path / "x.toml"
-    path.write_text('rates = ["-y"]'.ljust(100_000), encoding="utf-8")
-    assert field_of_file(path).rates == ("-y0",)
-    for text, said in (
-        (100_001 * " ", "too large; at most 100000 bytes are read"),
-        ("rate = 1", "has no key 'rate'; did you mean rates. its keys are"),
-    ):
-        path.write_text(text, encoding="utf-8")
-        with pytest.raises(ValueError, match=said):
-            field_of_file(path)
 
 
 def test_pi_is_enclosed_in_balls_and_the_nearest_double_in_floats():

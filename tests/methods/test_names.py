@@ -3,7 +3,7 @@
 import pytest
 
 from driftproof import FAMILIES, METHODS
-from driftproof.methods.catalogue import FACTS_ONLY, method_named, names_listed
+from driftproof.methods.catalogue import FACTS_ONLY, entry_named, names_listed
 from driftproof.methods.given_methods import methods_of, subject_of
 from driftproof.methods.names import EASILY_CONFUSED, also_known_as, keys_called, plain_name
 from tests.looping import some
@@ -27,7 +27,7 @@ SAID = {
 
 @pytest.mark.parametrize(("name", "key"), SAID.items())
 def test_a_name_leads_to_its_method(name, key):
-    assert method_named(name).key == key
+    assert entry_named(name).key == key
 
 
 @pytest.mark.parametrize(
@@ -47,14 +47,14 @@ def test_a_name_leads_to_its_method(name, key):
 )
 def test_an_ambiguous_name_lists_what_it_may_mean(name):
     with pytest.raises(ValueError, match=r"may mean .* or ") as caught:
-        method_named(name)
+        entry_named(name)
     assert all(f"{key} (" in str(caught.value) for key in some(keys_called(name)))
 
 
 def test_every_title_and_every_key_leads_to_its_method():
     for key, method in some(METHODS.items()):
-        assert method_named(method.title) is method_named(key) is method
-        assert method_named(key.replace("_", "-").upper()) is method  # though RadauIIA5 is ambiguous
+        assert entry_named(method.title) is entry_named(key) is method
+        assert entry_named(key.replace("_", "-").upper()) is method  # though RadauIIA5 is ambiguous
 
 
 def test_titles_may_stand_in_a_list_with_their_commas():
@@ -81,4 +81,4 @@ def test_names_are_unique_and_of_methods_that_exist():
 @pytest.mark.parametrize("name", ["", "Laplace", "!!", "rk", "verlet2000"])
 def test_a_name_that_nobody_uses_is_refused(name):
     with pytest.raises(ValueError, match="unknown method"):
-        method_named(name)
+        entry_named(name)

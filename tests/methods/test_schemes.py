@@ -15,7 +15,6 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import Collocation, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 
 NAMED = {"key": "mine", "title": "Mine", "claimed_order": 2, "source": "me-2024, 1"}
 ROOT_2, ROOT_3 = square_root(2), square_root(3)
@@ -165,16 +164,3 @@ def test_drawn_runge_kutta_methods_are_explicit_and_consistent(method: RungeKutt
 def test_drawn_splittings_are_consistent(method: Splitting) -> None:
     assert method.inconsistencies() == {}
     assert dataclasses.replace(method, parts=method.parts[1:]).inconsistencies() != {} or method.parts[0][1] == 0
-
-
-def test_step_takes_its_coefficients_through_lift_only() -> None:
-    lifted: list[Q] = []
-
-    def lift(c: Q) -> Q:
-        lifted.append(c)
-        return c
-
-    step = stepper(runge_kutta(), lift)
-    assert lifted == [Q(1, 2), Q(1, 2)]  # zeros and ones are dropped
-    step(lambda q: -q, Q(1), Q(0), Q(1, 4))
-    assert len(lifted) == 2

@@ -9,7 +9,6 @@ import pytest
 
 import driftproof
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts, OrderWithin, general_order, order_within
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, to_brackets
@@ -63,18 +62,6 @@ def test_order_and_linear_order_are_two_facts() -> None:
     assert (twin.order, known.order) == (2, 3)
 
 
-@pytest.mark.parametrize("power", [8, 13, 14, 30])
-def test_a_weight_off_in_a_far_digit_costs_the_order_and_not_the_order_to_a_tolerance(power: int) -> None:
-    rk4 = METHODS["rk4"]
-    assert isinstance(rk4, RungeKutta)
-    off = replace(rk4, b=(rk4.b[0] + Q(1, 10**power), *rk4.b[1:]))
-    facts = Facts(off)
-    assert facts.order == 0
-    assert (to_brackets(facts.order_fails.failing_tree), facts.order_fails.residual) == ("τ", Q(1, 10**power))
-    assert facts.inconsistencies == {"sum(b) - 1": Q(1, 10**power)}
-    assert order_within(off, Q(1, 10**12)).order == (4 if power >= 13 else 0)
-
-
 def test_radau_is_algebraically_stable_and_trapezoid_is_not() -> None:
     radau, trapezoid = Facts(METHODS["radau_iia2"]), Facts(METHODS["trapezoid"])
     assert (radau.algebraically_stable, radau.l_stable) == (True, True)
@@ -108,14 +95,6 @@ def test_rounded_tables_have_the_order_of_their_source_but_for_rounding(key: str
     assert facts.order < found.order == ON_FEWER_PROBLEMS.get(key, METHODS[key].claimed_order)
     assert order_within(METHODS[key], Q(found.residual) * Q(101, 100)).order >= found.order
     assert order_within(METHODS[key], Q(found.next_residual) * Q(99, 100)).order == found.order
-
-
-def test_mistake_that_is_no_rounding_leaves_no_order_but_for_rounding() -> None:
-    """A weight off by 1e-2 lowers the order for good, one off by 1e-6 too; exact methods have none."""
-    rk4 = METHODS["rk4"]
-    assert isinstance(rk4, RungeKutta)
-    wrong = [replace(rk4, claimed_order=0, b=(rk4.b[0] + x, *rk4.b[1:])) for x in (Q(1, 100), Q(1, 10**6))]
-    assert [Facts(x).order_but_for_rounding for x in (*wrong, rk4, METHODS["gauss2"])] == [None] * 4
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,6 @@ from typing import Any
 import pytest
 import sympy
 from flint import fmpq_poly
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from driftproof.methods.families import FAMILIES
 from driftproof.reports.fact_sheet import facts
@@ -88,13 +86,6 @@ def test_a_piece_with_another_root_another_end_or_another_curve_is_noticed() -> 
         piece["interval"][end] = "3/5"
     assert agrees("theta", "real_limit", Q(11, 20), theta)
     assert not agrees("theta", "real_limit", Q(11, 20), shifted)
-
-
-@settings(max_examples=30)
-@given(st.fractions(-3, 3, max_denominator=60), st.sampled_from(NAMES))
-def test_limits_of_a_drawn_member_of_the_cubic_family(value: Q, name: str) -> None:
-    """The real limit of 1 + z + az² + az³/2 has four pieces, one of them a single point."""
-    assert agrees("cubic", name, value, pieces_of("cubic", name))
 
 
 def test_limits_that_are_known_formulas() -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from driftproof.symbolic.trees.modified_equation import BSeries
-from driftproof.symbolic.trees.rooted_trees import tree_table, vertices
+from driftproof.symbolic.trees.rooted_trees import shapes, tree_table, vertices
 
 
 def symplectic_to_order(series: BSeries) -> int:
@@ -29,11 +29,11 @@ def symmetric_to_order(field: BSeries) -> int:
 
 
 def _holds_to_order(series: BSeries, expected: Callable[[Any, Any], Any]) -> int:
-    table, a = tree_table(series.order), series.coefficients
+    table, a, sizes = tree_table(series.order), series.coefficients, [*map(vertices, shapes(series.order))]
     for n in range(2, series.order + 1):
         for u in range(table.first[n]):
             # Each pair once: v is the larger tree, or as large.
-            for v in table.ids(n - table.size[u]) if 2 * table.size[u] <= n else ():
+            for v in table.ids(n - sizes[u]) if 2 * sizes[u] <= n else ():
                 if a[table.join(u, v)] + a[table.join(v, u)] != expected(a[u], a[v]):
                     return n - 1
     return series.order

@@ -16,8 +16,6 @@ from tests.witnesses.worst_case import (
     Envelope,
     envelope_of,
     error_ratios,
-    every_finite,
-    exhaust,
     random_floats,
     random_steps,
     search,
@@ -116,16 +114,6 @@ def test_overflow_is_counted_apart():
     assert found.merged(all_over).overflowed == 2
 
 
-def test_every_finite_number_comes_once():
-    numbers = np.concatenate(list(every_finite(np.float16, chunk=1000)))
-    assert numbers.size == 63488
-    assert np.isfinite(numbers).all()
-    assert np.unique(numbers.view(np.uint16)).size == numbers.size
-    first = next(every_finite(np.float32))
-    assert first.size == 1 << 14
-    assert first[1] == np.finfo(np.float32).smallest_subnormal
-
-
 def test_a_search_is_repeatable_and_stays_in_its_range():
     envelope = envelope_for(rk4, np.float64)
     at = {"dtype": np.float64, "h_range": (0.25, 0.5), "seed": 6, "generations": 5, "population": 1 << 8}
@@ -155,8 +143,3 @@ def test_the_type_that_checks_is_wide_enough_for_the_degree():
     ones = np.full_like(h, 2.0**-120)
     low, _ = error_ratios(lambda force, q, v, h: (h * 0, v), high, h, ones, ones)
     assert list(low) == [np.inf, np.inf]  # the product is tiny, and not lost
-
-
-def test_nothing_to_exhaust_is_refused():
-    with pytest.raises(ValueError, match="no step to check"):
-        exhaust(forward_euler, envelope_for(forward_euler, np.float16), [], [(1.0, 0.0)])

@@ -138,29 +138,6 @@ def worst_of(ratios: Ratios, h: Floats, q: Floats, v: Floats) -> Worst:
     )
 
 
-def exhaust(step: Step, envelope: Envelope, chunks: Iterable[Floats], states: Sequence[tuple[float, float]]) -> Worst:
-    """The worst over all h of all `chunks` (arrays) and all `states`, which must be numbers of the arrays' type."""
-    worst: Worst | None = None
-    for h in chunks:
-        for state in states:
-            q, v = (np.full_like(h, x) for x in state)
-            found = worst_of(error_ratios(step, envelope, h, q, v), h, q, v)
-            worst = worst.merged(found) if worst else found
-    if worst is None:
-        raise ValueError("no step to check: give at least one chunk of h and one state")
-    return worst
-
-
-def every_finite(dtype: Any, chunk: int = 1 << 14) -> Iterator[Floats]:
-    """Every finite number of a 16- or 32-bit float type, in arrays of at most `chunk`, which fit the cache."""
-    bits = BITS[np.dtype(dtype)]
-    patterns = 1 << (8 * np.dtype(dtype).itemsize)
-    for start in range(0, patterns, chunk):
-        numbers = np.arange(start, min(start + chunk, patterns), dtype=np.uint64).astype(bits).view(dtype)
-        if (finite := numbers[np.isfinite(numbers)]).size:
-            yield finite
-
-
 def _ratios(envelope: Envelope, numbers: Sequence[Floats], degree: int, wide: Any) -> Ratios:
     """The ratios from h, q, v and the two results, all finite, with the arithmetic of `wide`."""
     *values, q1, v1 = (x.astype(wide) for x in numbers)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from functools import cache
 from itertools import pairwise
 from typing import Any, TypeAlias
 
-from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_poly
+from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension, as_fraction
 
@@ -267,42 +266,10 @@ def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
     """The monic greatest common divisor; over the number field if either has coefficients there."""
     if isinstance(q, FieldPolynomial) and not isinstance(p, FieldPolynomial):
         p, q = q, p
-    if isinstance(p, FieldPolynomial) and p and q and coprime_modulo_a_prime(p, q):
+    # Euclid's algorithm over the number field needs coefficients of thousands of digits: first look at the norms.
+    if isinstance(p, FieldPolynomial) and p and q and norm(p).gcd(norm(q)).degree() == 0:
         return ONE
     return descend(p.gcd(q))
-
-
-def coprime_modulo_a_prime(p: FieldPolynomial, q: Polynomial) -> bool:
-    """True if the images of p and q, not zero, over a finite field prove them coprime; False decides nothing.
-
-    α maps to a simple root of its minimal polynomial modulo a prime that divides no denominator. If the image of p
-    keeps its degree, then so does that of a monic common factor, which divides both images. Euclid's algorithm over
-    the number field would need coefficients of thousands of digits.
-    """
-    prime, root = _image_of_generator(p.field.minimal)
-    images = []
-    for polynomial_ in (p, q):
-        image = nmod_poly([0], prime)
-        for i, part in enumerate(polynomial_.parts if isinstance(polynomial_, FieldPolynomial) else (polynomial_,)):
-            if int(part.denom()) % prime == 0:
-                return False
-            image += nmod_poly(part.numer(), prime) * (pow(root, i, prime) * pow(int(part.denom()), -1, prime))
-        images.append(image)
-    return bool(images[0].degree() == p.degree() and images[0].gcd(images[1]).degree() == 0)
-
-
-@cache
-def _image_of_generator(minimal: tuple[int, ...]) -> tuple[int, int]:
-    """The first prime from 2**61 - 1 on with a simple root of the polynomial (one exists: Chebotarev), and the root."""
-    prime = fmpz(2**61 - 1)
-    while True:
-        roots = nmod_poly(list(minimal), prime).roots()
-        simple = [int(root) for root, multiplicity in roots if multiplicity == 1]
-        if simple:
-            return int(prime), simple[0]
-        prime += 2
-        while not prime.is_prime():
-            prime += 2
 
 
 def quotient(p: Polynomial, q: Polynomial) -> Polynomial:

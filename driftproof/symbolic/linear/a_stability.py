@@ -30,7 +30,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as NO_SECTOR
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, samples
 from driftproof.symbolic.linear.region import complex_roots
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_failure, imaginary_margin
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_bound, imaginary_margin
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,8 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
 
 def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
     """tan α from the margin on the rays; also valid if R is A-stable, but not if R is constant."""
-    limit = first_failure(_critical(margin), lambda square: negative_point(_at(margin, square)) is None)
+    critical = positive_roots(_critical(margin))
+    limit = first_bound(critical, lambda square: negative_point(_at(margin, square)) is None).limit
     return limit.square_root() if isinstance(limit, RealRoot) else limit
 
 

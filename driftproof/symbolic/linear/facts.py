@@ -37,7 +37,7 @@ from driftproof.symbolic.linear.printed_digits import (
 )
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import prothero_robinson
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_limit
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_powers
 
 
 class _Checkable(Protocol):
@@ -153,7 +153,7 @@ class LinearFacts:
         )
 
     real_limit = _from_r(stability_limits.real_limit)
-    imaginary_limit = _from_step(stability_limits.imaginary_limit, bounded_limit)
+    imaginary_limit = _from_step(stability_limits.imaginary_limit, lambda m: bounded_powers(m).limit)
 
     @cached_property
     def a_stable(self) -> bool | None:

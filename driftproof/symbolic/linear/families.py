@@ -13,7 +13,6 @@ from driftproof.methods.families import Family, ParameterFunction
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
-    degree_in_x,
     even_and_odd_part,
     from_rows,
     merging_values,
@@ -23,7 +22,7 @@ from driftproof.symbolic.algebra.bivariate import (
 )
 from driftproof.symbolic.algebra.certified import sign_of_ball
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier
-from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, descend, exact, reflected
+from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, descend, exact, reflected
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
 from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exponential_series, fraction
@@ -32,7 +31,6 @@ from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, roo
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import common_denominator
 
-_NIL = fraction(ZERO)
 # Significant digits, in text, of an interval end without radicals; chosen, as the records hold its minimal polynomial.
 DIGITS_OF_ENDS = 12
 _Label = TypeVar("_Label", bound=Hashable)
@@ -53,17 +51,6 @@ class FamilyStability:
         first = rows_in_x(self.den)[0]
         num, den = ([fraction(c, first) for c in rows_in_x(p)] for p in (self.num, self.den))
         return num, den
-
-    def taylor(self, terms: int) -> list[RationalFunction]:
-        """The first `terms` Taylor coefficients of R at z = 0, as functions of the parameter."""
-        num, den = self.coefficients()
-        found: list[RationalFunction] = []
-        for k in range(terms):
-            c = num[k] if k < len(num) else _NIL
-            for j in range(1, min(k, len(den) - 1) + 1):
-                c = c - den[j] * found[k - j]
-            found.append(c)
-        return found
 
     def margin_on_axis(self) -> Bivariate:
         """|Q(iy)|² - |P(iy)|² as a polynomial in x = y² and the parameter, divided by powers of x."""
@@ -102,11 +89,12 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     Such a term exists: R agrees with exp at most up to the power deg P + deg Q, as for a single method.
     """
     r = family_stability(family)
-    terms = degree_in_x(r.num) + degree_in_x(r.den) + 3
-    differences = (
-        f - fraction(ONE * wanted) for f, wanted in zip(r.taylor(terms), exponential_series(terms), strict=True)
-    )
-    return next((power, f) for power, f in enumerate(differences) if f != _NIL)
+    num, den = (rows_in_x(p) for p in (r.num, r.den))
+    num += [ZERO] * len(den)
+    wanted = exponential_series(len(num))
+    differences = (p - sum((q * x for q, x in zip(den, wanted[k::-1], strict=False)), ZERO) for k, p in enumerate(num))
+    power, first = next((k, p) for k, p in enumerate(differences) if p)
+    return power, fraction(first, den[0])  # of (P - Q eᶻ)/Q
 
 
 @dataclass(frozen=True)
@@ -191,14 +179,9 @@ def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) 
     imaginary axis on which each pole lies, as A-, I- and L-stability do. None of these changes between critical values,
     so one rational value decides each interval; the critical values are decided in their number fields.
     """
-    line = Line.cut(family, critical_polynomials(family))
-    return line.where(lambda value: decide(stability_function(family.member(value))))
-
-
-def critical_polynomials(family: Family) -> list[Polynomial]:
-    """Polynomials in the parameter, one of which vanishes wherever a property named in `parameter_set` can change."""
     r = family_stability(family)
-    return critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den))
+    line = Line.cut(family, critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den)))
+    return line.where(lambda value: decide(stability_function(family.member(value))))
 
 
 def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivariate, Bivariate]) -> list[Polynomial]:

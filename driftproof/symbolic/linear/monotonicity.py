@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from flint import fmpq_poly
-
-from driftproof.methods.number_field import Exact, as_fmpq, dyadic
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier, matrix_product
 from driftproof.symbolic.algebra.polynomials import (
@@ -19,12 +17,10 @@ from driftproof.symbolic.algebra.polynomials import (
     dot,
     from_scalars,
     scalar,
-    sign,
-    sign_changes,
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced_stages_of
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, nonnegative_limit, smallest
+from driftproof.symbolic.linear.stability_limits import Limit, nonnegative_limit, smallest
 
 
 def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
@@ -37,19 +33,7 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     stages = _stages(method) if isinstance(method, Collocation) else reduced_stages_of(method)
     if stages is None or any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
         return ZERO_LIMIT
-    limit: Limit = INFINITY
-    for p in monotonicity_conditions(stages):
-        limit = limit if _is_positive_to(p, limit) else smallest([limit, nonnegative_limit(p)])
-    return limit
-
-
-def _is_positive_to(p: Polynomial, limit: Limit) -> bool:
-    """True only if p > 0 on (0, limit), by Descartes' rule: (1 + x)ⁿ p(limit/(1 + x)) has no sign change."""
-    if isinstance(limit, Infinity) or limit == ZERO_LIMIT or not isinstance(p, fmpq_poly):
-        return limit == ZERO_LIMIT  # (0, 0) is empty
-    end = as_fmpq(dyadic(limit.ball().upper()))
-    moved = fmpq_poly(p(fmpq_poly([0, end])).coeffs()[::-1])(fmpq_poly([1, 1]))
-    return sign(moved.leading_coefficient()) == 1 and not sign_changes(moved)
+    return smallest([nonnegative_limit(p) for p in monotonicity_conditions(stages)])
 
 
 def _stages(method: Collocation) -> StageCoefficients | None:

@@ -20,9 +20,9 @@ from driftproof.symbolic.algebra.polynomials import Polynomial, polynomial
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, root_ratio
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
 from driftproof.symbolic.linear.multistep import MultistepFacts
-from driftproof.symbolic.linear.ray_bounds import ALWAYS, NEVER, Bound, UndecidedLimitError
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.root_condition import all_inside, inside_limit, root_condition
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit
+from driftproof.symbolic.linear.stability_limits import ALWAYS, INFINITY, NEVER, Bound, Infinity, Limit
 from driftproof.symbolic.linear.systems import EigenvalueLimit, LinearSystem, ball_of
 
 

@@ -17,10 +17,8 @@ from driftproof.symbolic.algebra.polynomials import (
     Scalar,
     X,
     deflate,
-    even_part,
     from_scalars,
     modulus_squared_on_imaginary_axis,
-    odd_part,
     reflected,
     scalar,
 )
@@ -29,8 +27,10 @@ from driftproof.symbolic.linear.stability_function import (
     ScalarTableau,
     resolvent,
     stability_function,
-    stability_function_of_collocation,
 )
+
+# The rows of J in z' = Jz, the oscillator.
+_TURN = [[scalar(0), scalar(1)], [scalar(-1), scalar(0)]]
 
 
 def stability_function_of(method: str | Path | Method) -> RationalFunction | None:
@@ -41,32 +41,19 @@ def stability_function_of(method: str | Path | Method) -> RationalFunction | Non
     x + 1
     """
     method = method_of(method)
-    if isinstance(method, RungeKutta):
-        return stability_function(method)
-    return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None
+    return stability_function(method) if isinstance(method, RungeKutta | Collocation) else None
 
 
 def oscillator_matrix(method: Method) -> StepMatrix:
     """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, entries in Q(h) or K(h); the method may be implicit."""
     r = stability_function_of(method)
     if r is not None:
-        return rotation_like(r)
+        return of_matrix(r, _TURN)
     if isinstance(method, Nystrom) and not method.explicit:
         return _implicit_nystrom_matrix(method)
     step = stepper(method, scalar)
     columns = [step(oscillator, q, v, X) for q, v in ((ONE, ZERO), (ZERO, ONE))]
     return tuple(tuple(fraction(x) for x in row) for row in zip(*columns, strict=True))
-
-
-def rotation_like(r: RationalFunction) -> StepMatrix:
-    """R(hJ) = Re R(ih) I + Im R(ih) J with J = [[0, 1], [-1, 0]], since J² = -I."""
-    (even, odd), (den_even, den_odd) = (
-        (_at_minus_square(even_part(p)), _at_minus_square(odd_part(p))) for p in (r.num, r.den)
-    )
-    common = den_even * den_even + X * X * den_odd * den_odd
-    cosine = fraction(even * den_even + X * X * odd * den_odd, common)
-    sine = fraction(X * (odd * den_even - even * den_odd), common)
-    return (cosine, sine), (-sine, cosine)
 
 
 def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) -> StepMatrix:
@@ -120,11 +107,6 @@ def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
     return fraction(modulus_squared_on_imaginary_axis(r.num), modulus_squared_on_imaginary_axis(r.den))
 
 
-def _at_minus_square(p: Polynomial) -> Polynomial:
-    """The polynomial p(-z²)."""
-    return inflated(reflected(p))
-
-
 def inflated(p: Polynomial) -> Polynomial:
     """The polynomial p(z²)."""
     return from_scalars([x for c in p.coeffs() for x in (c, c * 0)])
@@ -137,7 +119,7 @@ def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
 
     def response(b: tuple[Scalar, ...], v: tuple[Scalar, ...]) -> RationalFunction:
         found = resolvent(ScalarTableau(a, b, nodes, method.field), v)
-        return fraction(_at_minus_square(found.num), _at_minus_square(found.den))
+        return fraction(inflated(reflected(found.num)), inflated(reflected(found.den)))
 
     step, square = fraction(X), fraction(X * X)
     one, ones = fraction(ONE), (ONE[0],) * len(nodes)

@@ -8,7 +8,7 @@ from functools import lru_cache, reduce
 from itertools import combinations
 from math import comb
 from operator import add
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
@@ -29,19 +29,9 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, positive_roots, samples, vanishes_at
+from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, positive_roots, vanishes_at
 from driftproof.symbolic.linear.eigenvalues import Complex
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
-
-
-class Bound(NamedTuple):
-    """Powers are bounded for every h in (0, `limit`); `attained` says whether for h = `limit`, None for 0 and oo."""
-
-    limit: Limit
-    attained: bool | None
-
-
-NEVER, ALWAYS = Bound(ZERO_ROOT, None), Bound(INFINITY, None)
+from driftproof.symbolic.linear.stability_limits import ALWAYS, NEVER, Bound, first_bound
 
 
 def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -> Bound:
@@ -53,14 +43,11 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
     margin, obstacles = ray_conditions(r, total, product, block)
     if not margin:
         return ALWAYS if not any(obstacles) else NEVER
-    roots = positive_roots([margin])
-    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
-        touches = start != ZERO_ROOT and vanishes_at(margin, start)
-        if touches and not all(vanishes_at(p, start) for p in obstacles):
-            return Bound(start, False)
-        if sign(evaluate(margin, inner)) == -1:
-            return NEVER if start == ZERO_ROOT else Bound(start, True)
-    return ALWAYS
+    return first_bound(
+        positive_roots([margin]),
+        lambda x: sign(evaluate(margin, x)) != -1,
+        lambda root: not vanishes_at(margin, root) or all(vanishes_at(p, root) for p in obstacles),
+    )
 
 
 def ray_conditions(
@@ -114,10 +101,7 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
     LARGEST_PAIR_DEGREE.
     """
     roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
-    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
-        if margin_sign(r, place, inner) == -1:
-            return NEVER if start == ZERO_ROOT else Bound(start, True)
-    return ALWAYS
+    return first_bound(roots, lambda h: margin_sign(r, place, h) != -1)
 
 
 @lru_cache

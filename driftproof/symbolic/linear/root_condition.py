@@ -25,7 +25,7 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples
 from driftproof.symbolic.linear.a_stability import is_hurwitz
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, first_failure
+from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, first_bound
 
 
 class RootCondition(NamedTuple):
@@ -93,7 +93,8 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
 
     merging = critical_polynomial(ParametricPair(with_slope, (degree, degree), (1, 1)))
     critical = [*_meeting_the_circle(forms, degree), *filter(None, [merging])]
-    return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)
+    holds = lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds
+    return first_bound(positive_roots(critical), holds).limit
 
 
 def inside_limit(a: Polynomial, b: Polynomial) -> Limit:

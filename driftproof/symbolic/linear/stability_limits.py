@@ -73,20 +73,33 @@ def imaginary_margin(r: RationalFunction) -> Polynomial:
 
 def nonnegative_limit(*factors: Polynomial) -> Limit:
     """The left end of the first interval of x > 0 in which the product of the factors is negative; `oo` without any."""
-    return first_failure(factors, lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1)
+    return first_bound(positive_roots(factors), lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1).limit
 
 
-def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], bool]) -> Limit:
-    """The left end of the first interval of positive numbers in which a closed condition fails; `oo` if there is none.
+class Bound(NamedTuple):
+    """A condition holds for every x in (0, `limit`); `attained` says whether for x = `limit`, None for 0 and oo."""
 
-    `holds` must be constant between consecutive positive roots of the polynomials, so that one rational point decides
-    each interval. It must be true at a root if it is true on both sides of it: such a root is no limit.
+    limit: Limit
+    attained: bool | None
+
+
+NEVER, ALWAYS = Bound(ZERO_ROOT, None), Bound(INFINITY, None)
+
+
+def first_bound(
+    roots: list[RealRoot], holds: Callable[[fmpq], bool], holds_at: Callable[[RealRoot], bool] = lambda root: True
+) -> Bound:
+    """The bound of a condition that is constant between consecutive positive numbers, the `roots`.
+
+    So one rational point decides each interval, by `holds`, and `holds_at` each root; by default that of a closed
+    condition, which holds at a root if on both sides of it.
     """
-    roots = positive_roots(polynomials)
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
+        if start != ZERO_ROOT and not holds_at(start):
+            return Bound(start, False)
         if not holds(inner):
-            return start
-    return INFINITY
+            return NEVER if start == ZERO_ROOT else Bound(start, True)
+    return ALWAYS
 
 
 def smallest(limits: Sequence[Limit]) -> Limit:
@@ -113,24 +126,19 @@ class Boundary(NamedTuple):
     off: tuple[Polynomial, Polynomial, Polynomial]
 
 
-def bounded_limit(m: StepMatrix) -> Limit:
-    """The largest H such that the powers of M(h) are bounded for every h in (0, H); `oo` if always, 0 if there is none.
+def bounded_powers(m: StepMatrix) -> Bound:
+    """The largest H such that the powers of M(h) are bounded for every h in (0, H), and whether they are for h = H.
 
-    Boundedness cannot change between consecutive roots of the boundary polynomials, so one rational h decides each
-    interval. At the roots exact signs decide: there 1 or -1 may be an eigenvalue, and a double one is harmless only if
-    M = ±I.
+    Boundedness cannot change between consecutive roots of the boundary polynomials. At the roots exact signs decide:
+    there 1 or -1 may be an eigenvalue, and a double one is harmless only if M = ±I.
     """
     boundary = boundary_of(m)
     polynomials = [boundary.den, boundary.area, boundary.plus, boundary.minus]
-    if not boundary.merged:
-        polynomials += boundary.off
-    roots = positive_roots([p for p in polynomials if p])
-    for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
-        if start != ZERO_ROOT and not is_bounded(boundary, partial(sign_at, root=start)):
-            return start
-        if not is_bounded(boundary, lambda p, x=inner: sign(evaluate(p, x))):  # type: ignore[misc]
-            return start
-    return INFINITY
+    return first_bound(
+        positive_roots([*polynomials, *(() if boundary.merged else boundary.off)]),
+        lambda x: is_bounded(boundary, lambda p: sign(evaluate(p, x))),
+        lambda root: is_bounded(boundary, partial(sign_at, root=root)),
+    )
 
 
 def is_bounded(boundary: Boundary, sign_of: Callable[[Polynomial], int]) -> bool:

@@ -35,9 +35,6 @@ from driftproof.symbolic.linear.oscillator import (
     stability_function_of,
 )
 from driftproof.symbolic.linear.ray_bounds import (
-    ALWAYS,
-    NEVER,
-    Bound,
     UndecidedLimitError,
     at_rest,
     margin_sign,
@@ -47,11 +44,14 @@ from driftproof.symbolic.linear.ray_bounds import (
     ray_conditions,
 )
 from driftproof.symbolic.linear.stability_limits import (
+    ALWAYS,
     INFINITY,
+    NEVER,
+    Bound,
     Infinity,
     Limit,
     boundary_of,
-    bounded_limit,
+    bounded_powers,
     common_denominator,
     is_bounded,
     nonnegative_root,
@@ -233,23 +233,15 @@ def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
     if place == ZERO_ROOT and into_position:
         return NEVER
     if isinstance(place, Imaginary) and block == 1:
-        return _bound_of_step(power_bound(m), place.size)
+        return _bound_of_step(bounded_powers(m), place.size)
     if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position:
         # The eigenvalues lie on the unit circle and turn with ω: dθ/dω is 0 for isolated h only.
         return NEVER
     if isinstance(place, RealRoot) and place != ZERO_ROOT:
-        bound = power_bound(_block(method, place))
+        bound = bounded_powers(_block(method, place))
         if block == 1 or bound == NEVER:
             return _bound_of_step(bound, _size(place))
     raise UndecidedLimitError("no procedure decides this: a Jordan block, or a step without kicks or drifts")
-
-
-def power_bound(m: StepMatrix) -> Bound:
-    """`bounded_limit` of a 2x2 matrix, and whether the powers are bounded at the limit itself."""
-    limit = bounded_limit(m)
-    if isinstance(limit, Infinity):
-        return ALWAYS
-    return NEVER if limit == ZERO_ROOT else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
 
 
 def _bound_of_step(bound: Bound, size: RealRoot) -> Bound:

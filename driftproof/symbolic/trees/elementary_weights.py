@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import lcm
 from operator import mul
 from typing import Any, Protocol, Self, TypeAlias
 
-from flint import fmpq, fmpq_poly, fmpz
+from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Collocation, RungeKutta
@@ -41,21 +40,6 @@ class ExactScalars:
         if isinstance(x, Algebraic):
             return x.as_fraction() if x.is_rational else x
         return as_fraction(x if isinstance(x, fmpq) else as_fmpq(x))
-
-
-@dataclass(frozen=True)
-class IntegerScalars(ExactScalars):
-    """Integers (FLINT's fmpz) for A and b multiplied by `unit`, so that sums need no common denominator."""
-
-    unit: int
-
-    def lift(self, x: Exact | int) -> RingElement:
-        """The integer as an fmpz."""
-        return fmpz(int(x))  # type: ignore[arg-type]
-
-    def weight(self, x: RingElement, vertices: int) -> RingElement:
-        """Remove `unit` from Φ of a tree with `vertices` vertices, which is homogeneous of that degree in A and b."""
-        return fmpq(x, self.unit**vertices)
 
 
 EXACT: Scalars = ExactScalars()
@@ -161,22 +145,11 @@ def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
     return polynomial
 
 
-def stage_algebra(method: TreeMethod) -> StageAlgebra:
-    """The stage algebra of a method given by its node polynomial or by its tableau."""
+def stage_algebra(method: TreeMethod, scalars: Scalars = EXACT) -> StageAlgebra:
+    """The stage algebra of a method; exact, whatever `scalars`, if it is given by a node polynomial."""
     if isinstance(method, Collocation):
         return NodeStages(method.node_polynomial)
-    (stages,) = tableau_stages(method.a, method.b)
-    return stages
-
-
-def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> list[TableauStages]:
-    """The stage algebra of A with each row of weights; rational ones times their common denominator, as integers."""
-    numbers = [x for row in (*a, *weights) for x in row]
-    if any(isinstance(x, Algebraic) for x in numbers):
-        return [TableauStages(a, row) for row in weights]
-    unit = lcm(*(x.denominator for x in numbers))  # type: ignore[union-attr]
-    rows = [[x.numerator * (unit // x.denominator) for x in row] for row in (*a, *weights)]  # type: ignore[union-attr]
-    return [TableauStages(rows[: len(a)], row, IntegerScalars(unit)) for row in rows[len(a) :]]
+    return TableauStages(method.a, method.b, scalars)
 
 
 class ElementaryWeights:
@@ -194,12 +167,10 @@ class ElementaryWeights:
 
     def of_order(self, vertices: int) -> list[RingElement]:
         """Φ of the trees with `vertices` vertices, in the order of the table."""
-        table, (first, *_) = self.table(vertices), self.colours
+        table = self.table(vertices)
         for n in range(vertices + 1):
             self._extend(table, n)
-        weights = [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
-        scalars = first.scalars
-        return [scalars.weight(x, vertices) for x in weights] if isinstance(scalars, IntegerScalars) else weights
+        return [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
 
     def residuals(self, vertices: int) -> list[tuple[int, RingElement]]:
         """The number of each tree with `vertices` vertices, and its residual Φ - 1/γ."""

@@ -16,7 +16,7 @@ from driftproof.symbolic.trees.elementary_weights import (
     TreeMethod,
     stage_algebra,
 )
-from driftproof.symbolic.trees.rooted_trees import Tree, shapes, tree_number, tree_table, vertices
+from driftproof.symbolic.trees.rooted_trees import Tree, shapes, tree_table
 
 
 @dataclass(frozen=True)
@@ -24,17 +24,11 @@ class BSeries:
     """The B-series Σ h^r(t)/σ(t) a(t) F(t)(y) over trees of at most `order` vertices, exact, without the term in y.
 
     The normalisation is that of hairer-lubich-wanner-2006, III.1.1 Definition 1.8: the exact flow has a(t) = 1/γ(t).
-    `coefficients` are ring elements in the numbering of the tables; `coefficient` returns one as an exact number.
+    `coefficients` are ring elements in the numbering of the tables.
     """
 
     order: int
     coefficients: tuple[RingElement, ...]
-
-    def coefficient(self, tree: Tree) -> Exact:
-        """The coefficient a(t). Raises KeyError for a tree with more than `order` vertices."""
-        if vertices(tree) > self.order:
-            raise KeyError(f"the B-series ends at order {self.order}; the tree has {vertices(tree)} vertices")
-        return EXACT.exact(self.coefficients[tree_number(tree)])
 
     def items(self) -> Iterator[tuple[Tree, Exact]]:
         """The pairs (t, a(t)), smallest trees first."""

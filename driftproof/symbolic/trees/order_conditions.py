@@ -20,7 +20,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     RingElement,
     Scalars,
     StageAlgebra,
-    TableauStages,
     TreeMethod,
     distinct_nodes,
     stage_algebra,
@@ -126,9 +125,7 @@ def collocation_order(nodes: Sequence[Exact]) -> OrderFact[Tree]:
 
 def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
     """The order conditions of a method; exact, whatever `scalars`, if it is given by a node polynomial."""
-    if scalars is EXACT or isinstance(method, Collocation):
-        return RungeKuttaConditions(stage_algebra(method))
-    return RungeKuttaConditions(TableauStages(method.a, method.b, scalars))
+    return RungeKuttaConditions(stage_algebra(method, scalars))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
@@ -147,10 +144,8 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
     """The largest p with |Φ(t) - 1/γ(t)| <= `tolerance` for every tree of at most p vertices: this is not the order.
 
     It is at most `limit` and `conditions.bound`: beyond the highest order that the stages allow, residuals are small
-    only because large trees have small weights. Raises TypeError for a float, ValueError for a negative tolerance.
+    only because large trees have small weights. Raises ValueError for a negative tolerance.
     """
-    if isinstance(tolerance, bool) or not isinstance(tolerance, Fraction | int):
-        raise TypeError(f"tolerance {tolerance!r} is a {type(tolerance).__name__}; it must be a Fraction")
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
     highest = min(limit, conditions.bound)

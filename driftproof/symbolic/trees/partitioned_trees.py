@@ -21,7 +21,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     Table,
     TableauStages,
     TreeMethod,
-    tableau_stages,
 )
 from driftproof.symbolic.trees.order_conditions import (
     Conditions,
@@ -196,7 +195,7 @@ def embedded_conditions(method: TreeMethod) -> Conditions[Any] | None:
         return None
     if _has_other_nodes(method):
         return conditions_with_nodes(replace(method, b=method.b_embedded))
-    return RungeKuttaConditions(*tableau_stages(method.a, method.b_embedded))
+    return RungeKuttaConditions(TableauStages(method.a, method.b_embedded))
 
 
 def embedded_order(method: TreeMethod) -> OrderFact[Any] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import chain, repeat
+from itertools import repeat
 from math import prod
 from typing import TypeAlias
 
@@ -43,11 +43,6 @@ class TreeTable:
     def ids(self, vertices: int) -> range:
         """The numbers of the trees with `vertices` vertices."""
         return range(self.first[vertices], self.first[vertices + 1])
-
-    @cached_property
-    def size(self) -> Column:
-        """r(t), the number of vertices, of every tree."""
-        return tuple(chain.from_iterable(repeat(n, len(self.ids(n))) for n in range(1, self.order + 1)))
 
     @cached_property
     def kind(self) -> Column:
@@ -118,10 +113,8 @@ def tree_table(order: int, kinds: int = 1, internal: int = 1) -> TreeTable:
     """The table of all rooted trees with at most `order` vertices, in which those of lower order keep their numbers.
 
     There are 1, 1, 2, 4, 9, 20, 48, 115, 286, ... trees of order 1, 2, ... (hairer-norsett-wanner-1993, II.2). Raises
-    ValueError if order < 1 or not 1 <= internal <= kinds, and TooManyTrees.
+    TooManyTrees.
     """
-    if order < 1 or not 1 <= internal <= kinds:
-        raise ValueError(f"order {order}, kinds {kinds}, internal {internal}: need order >= 1, 1 <= internal <= kinds")
     return _table(order, kinds, internal)
 
 

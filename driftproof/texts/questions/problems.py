@@ -23,12 +23,15 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.number_field import as_fmpq
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
+from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.facts import Facts
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.runs import evaluations, explicit_slopes
 
@@ -124,11 +127,31 @@ class ProblemRun:
         if isinstance(self.method, StartedMultistep):
             yield from self._multistep(exactly=True)
         y: _Row = self.start
+        factor = self._factor()
         for n in count():
             yield y
+            if factor is not None:
+                y = [factor * y[0]]
+                continue
             slopes = self.slopes(n * self.h, y)
             weights = [self.h * Fraction(b) for b in self.method.b]  # type: ignore[union-attr, arg-type]
             y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
+
+    def _factor(self) -> Fraction | None:
+        """R(hλ) on y' = λy of a method whose stages are solved; None for others. Raises TypeError if there is none."""
+        method = self.method
+        if not isinstance(method, RungeKutta | Collocation) or method.explicit:
+            return None
+        (rate, *others), known = self.rates.rates, self.rates.autonomous and self.rates.smooth
+        slope = partial_derivative(rate, "y0")
+        if others or not known or "y0" in slope or any(self.rate(Fraction(0), [Fraction(0)])):
+            raise TypeError("not y' = λy")
+        (size,) = field_function(self.rates, [slope])(Fraction(0), [Fraction(0)])
+        function = Facts(method).stability_function
+        found = exact(function.f(as_fmpq(self.h * Fraction(size)))) if function else None
+        if not isinstance(found, Fraction):
+            raise TypeError("an irrational factor")
+        return found
 
     def _multistep(self, exactly: bool = False) -> Iterator[_Row]:
         """Yield the states of a multistep method, the start first, in balls or `exactly`, which raises TypeError."""

@@ -29,7 +29,6 @@ NODES = {
     **{f"lobatto_iiia{s}": lobatto_nodes(s) for s in (3, 4)},
     **{f"lobatto_iii{letter}{s}": lobatto_nodes(s) for letter in "bc" for s in (2, 3, 4)},
 }
-COLLOCATION = [key for key in NODES if not key.startswith(("radau_ia", "lobatto_iiib", "lobatto_iiic"))]
 
 
 @pytest.mark.parametrize("key", NODES)
@@ -46,18 +45,6 @@ def at(polynomial: Polynomial, x: Any) -> Any:
     for coefficient in reversed(polynomial):
         value = value * x + coefficient
     return value
-
-
-@pytest.mark.parametrize("key", [key for key in NODES if entry(key).explicit is False])
-def test_simplifying_assumption_c_holds_for_collocation_and_for_no_other(key: str) -> None:
-    """C(s): Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k for k = 1, ..., s (hairer-wanner-1996, IV.5)."""
-    method = entry(key)
-    residuals = [
-        sum((a * c ** (k - 1) for a, c in zip(given, method.c, strict=True)), Q(0)) - c_i**k * Q(1, k)
-        for k in range(1, method.stages + 1)
-        for given, c_i in zip(method.a, method.c, strict=True)
-    ]
-    assert all(x == 0 for x in residuals) is (key in COLLOCATION)
 
 
 def stability_series(method: RungeKutta, order: int) -> list[Any]:
@@ -88,24 +75,6 @@ def symplectic_defects(method: Any, other: Any) -> list[Any]:
 def test_lobatto_iiia_and_iiib_are_a_symplectic_pair(first: str, second: str) -> None:
     assert not any(symplectic_defects(entry(first), entry(second)))
     assert any(symplectic_defects(entry(second), entry(second)))
-
-
-@pytest.mark.parametrize(
-    ("key", "twin"), [("radau_ia2", "radau_iia2"), ("radau_ia3", "radau_iia3"), ("lobatto_iiia4", "lobatto_iiib4")]
-)
-def test_two_families_share_their_stability_function(key: str, twin: str) -> None:
-    """R is a quotient of two polynomials of degree s at most, and so fixed by 2s + 1 coefficients of its series."""
-    length = 2 * entry(key).stages + 1
-    assert stability_series(entry(key), length) == stability_series(entry(twin), length)
-    assert stability_series(entry("lobatto_iiic4"), 9) != stability_series(entry("lobatto_iiia4"), 9)
-
-
-@pytest.mark.parametrize("key", ["radau_ia3", "radau_iia3", "lobatto_iiic2", "lobatto_iiic4", "sdirk4", "esdirk43"])
-def test_l_stable_method_ends_with_its_last_stage_or_begins_with_its_first(key: str) -> None:
-    """aₛⱼ = bⱼ, or aᵢ₁ = b₁, each of which makes R vanish at infinity (hairer-wanner-1996, IV.3)."""
-    method = entry(key)
-    assert method.a[-1] == method.b or all(given[0] == method.b[0] for given in method.a)
-    assert entry("gauss2").a[-1] != entry("gauss2").b
 
 
 def shifted_chebyshev(stages: int) -> Polynomial:

@@ -14,7 +14,6 @@ from driftproof.methods.number_field import Algebraic, NumberField, cube_root, s
 from driftproof.symbolic.algebra.polynomials import (
     FieldPolynomial,
     at_ball,
-    coprime_modulo_a_prime,
     deflate,
     exact,
     from_scalars,
@@ -148,7 +147,7 @@ def test_in_square_refuses_odd_powers() -> None:
         deflate(polynomial([1, 1]))
 
 
-def test_coprime_polynomials_over_a_number_field_are_seen_to_be_so_modulo_a_prime(
+def test_coprime_polynomials_over_a_number_field_are_seen_to_be_so_by_their_norms(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Euclid's algorithm is left to what may have a common factor: its remainders double in length at every step."""
@@ -161,5 +160,5 @@ def test_coprime_polynomials_over_a_number_field_are_seen_to_be_so_modulo_a_prim
     common = polynomial([CUBE_2, 1])
     assert greatest_common_divisor(p * common, q * common) == common
     assert asked
-    half = Q(1, 2**61 - 1)
-    assert not coprime_modulo_a_prime(polynomial([CUBE_2 * half, 1]), polynomial([1, CUBE_2]))
+    conjugates = polynomial([ROOT_3, 1]), polynomial([-ROOT_3, 1])  # of one norm, and coprime
+    assert greatest_common_divisor(*conjugates) == 1

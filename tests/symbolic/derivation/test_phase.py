@@ -9,7 +9,7 @@ import sympy
 
 from driftproof.symbolic.algebra.certified import enclose, is_less
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
-from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, one_step_matrix, rational
+from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, one_step_matrix
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from tests.nine import NINE
 
@@ -29,24 +29,6 @@ def test_phase_series_is_the_closed_form_to_its_last_term(key: str) -> None:
     left = lambda: abs(enclose_expression(theta) - enclose(SMALL) - enclose(series))
     assert is_less(left, 2 * abs(following))
     assert not is_less(left, abs(following) / 2)
-
-
-LEADING = {
-    "forward_euler": (3, Q(-1, 3)), "symplectic_euler": (3, Q(1, 24)), "velocity_verlet": (3, Q(1, 24)),
-    "midpoint2": (3, Q(1, 6)), "rk4": (5, Q(-1, 120)),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("key", LEADING)
-def test_leading_terms_are_the_published_ones(key: str) -> None:
-    power, coefficient = LEADING[key]
-    found = leading_term(phase_error_series(one_step_matrix(NINE[key]), TERMS))
-    assert found == (power, rational(coefficient))
-
-
-def test_forward_euler_turns_by_the_arctangent() -> None:
-    series = phase_error_series(one_step_matrix(NINE["forward_euler"]), 8) + H
-    assert series == H - H**3 / 3 + H**5 / 5 - H**7 / 7
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,8 @@ from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.algebra.bivariate import at_parameter
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction, rational_function_text
-from driftproof.symbolic.algebra.real_roots import rational_root
 from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.families import (
-    Interval,
-    ParameterSet,
     family_error_constant,
     family_stability,
     parameter_set,
@@ -131,11 +128,3 @@ def test_a_contact_that_opens_at_a_finite_point_of_the_axis_is_found() -> None:
     contact = family("t", "1, 0, 0; 1, 1, 0; 0, 1, 1", "-t, 2, 1 + t", "1, 2, 2")
     assert texts(contact, "t")[0] == ["1", "0", "t"]
     assert str(parameter_set(contact, a_stability)) == "[-3/2, 3]"
-
-
-def test_intervals_print_their_ends() -> None:
-    two = rational_root(Q(2))
-    assert str(Interval(None, two, False, True)) == "(-oo, 2]"
-    assert str(Interval(two, None, False, False)) == "(2, oo)"
-    assert str(Interval(two, two, True, True)) == "{2}"
-    assert str(ParameterSet(())) == "empty"

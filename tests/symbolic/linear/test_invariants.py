@@ -8,7 +8,7 @@ import pytest
 from flint import arb, arb_mat, ctx, fmpq, fmpq_poly
 
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.polynomials import exact, polynomial
+from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import fraction, polynomial_text
 from driftproof.symbolic.linear.invariants import (
     QuadraticForm,
@@ -17,9 +17,7 @@ from driftproof.symbolic.linear.invariants import (
     quadratic_invariants,
 )
 from driftproof.symbolic.linear.oscillator import area_factor, oscillator_matrix
-from driftproof.symbolic.linear.phase import modified_factor_series
 from tests.looping import some
-from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import EVERY, NIL, ONE, ROOT_3, Z, at, limit_text
 
 
@@ -109,16 +107,6 @@ def test_flow_of_the_modified_hamiltonian_is_the_step(key: str) -> None:
                 difference = flow[i, j] - at(m[i][j], h)
                 assert difference.contains(0)
                 assert difference.rad() < arb(2) ** -150
-
-
-def test_modified_hamiltonian_of_verlet() -> None:
-    found = modified_hamiltonian(oscillator_matrix(NINE["velocity_verlet"]))
-    assert found is not None
-    assert found.cosine == fraction(1 - Z**2 / 2)
-    assert (found.q2, found.qv, found.v2) == (fraction(fmpq(1, 2) - Z**2 / 8), NIL, fraction(fmpq_poly([fmpq(1, 2)])))
-    assert limit_text(found.limit) == "2"
-    series = modified_factor_series(oscillator_matrix(NINE["velocity_verlet"]), 7)
-    assert [str(exact(c)) for c in series] == ["1", "0", "1/6", "0", "1/30", "0", "1/140"]
 
 
 @pytest.mark.parametrize("key", ["rk4", "forward_euler", "backward"])

@@ -10,8 +10,8 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.tables.multistep import ENTRIES
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.linear.multistep_systems import MultistepSystemFacts
-from driftproof.symbolic.linear.ray_bounds import ALWAYS, NEVER, UndecidedLimitError
-from driftproof.symbolic.linear.stability_limits import INFINITY
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
+from driftproof.symbolic.linear.stability_limits import ALWAYS, INFINITY, NEVER
 from tests.looping import exactly
 from tests.symbolic.linear.linear_examples import parse_system
 from tests.witnesses.multistep import largest

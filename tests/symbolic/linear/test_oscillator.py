@@ -6,14 +6,13 @@ from fractions import Fraction as Q
 from typing import Any
 
 import pytest
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_mat
 from hypothesis import given
-from hypothesis import strategies as st
 
 from driftproof import strategies
 from driftproof.methods.schemes import Nystrom, Splitting
-from driftproof.symbolic.algebra.polynomials import evaluate, exact, from_scalars, polynomial, scalar
-from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.algebra.polynomials import scalar
+from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
     energy_factor,
@@ -25,7 +24,7 @@ from driftproof.symbolic.linear.oscillator import (
 )
 from tests.catalogue.conformance import ARITHMETICS
 from tests.nine import NINE
-from tests.symbolic.linear.linear_examples import BACKWARD, EVERY, MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, ONE, ROOT_3, Z
+from tests.symbolic.linear.linear_examples import EVERY, MIDPOINT, MIDPOINT_NYSTROM, NYSTROM_4, ONE
 from tests.witnesses.witness_steps import witness_matrix
 
 
@@ -36,27 +35,6 @@ def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_w
     for name in ("Fraction", "number field", "polynomials in h", "SymPy's polynomials", "balls"):
         assert ARITHMETICS[name].meets(method, method)
     assert not isinstance(method, Splitting) or area_factor(oscillator_matrix(method)) == ONE
-
-
-def test_polynomial_of_the_square_has_no_odd_powers() -> None:
-    assert inflated(fmpq_poly([1, 2, 3])) == fmpq_poly([1, 0, 2, 0, 3])
-
-
-@pytest.mark.parametrize("key", ["gauss2", "midpoint", "backward", "gauss3"])
-def test_implicit_step_solves_its_equations(key: str) -> None:
-    """Q(hJ) M = P(hJ), multiplied out."""
-    m, r = oscillator_matrix(EVERY[key]), stability_function_of(EVERY[key])
-    assert r is not None
-    num, den = (_at_rotation(p) for p in (r.num, r.den))
-    left = [[den[i][0] * m[0][j] + den[i][1] * m[1][j] for j in range(2)] for i in range(2)]
-    assert left == num
-    assert m == linear_step_matrix(EVERY[key], [[0, 1], [-1, 0]])
-
-
-def _at_rotation(p: Any) -> list[list[RationalFunction]]:
-    cosine = from_scalars([c * (1, 0, -1, 0)[k % 4] for k, c in enumerate(p.coeffs())])
-    sine = from_scalars([c * (0, 1, 0, -1)[k % 4] for k, c in enumerate(p.coeffs())])
-    return [[fraction(cosine), fraction(sine)], [fraction(-sine), fraction(cosine)]]
 
 
 def test_implicit_nystrom_is_the_implicit_midpoint_rule() -> None:
@@ -122,17 +100,3 @@ def test_determinant_is_the_energy_multiplier_of_a_runge_kutta_method(key: str) 
     assert r is not None
     assert energy_factor(m) == energy_multiplier_of(r)
     assert area_factor(m) == fraction(inflated(energy_multiplier_of(r).num), inflated(energy_multiplier_of(r).den))
-
-
-def test_backward_euler_damps_and_the_midpoint_rule_does_not() -> None:
-    assert energy_factor(oscillator_matrix(BACKWARD)) == fraction(fmpq_poly([1]), 1 + Z)
-    assert energy_factor(oscillator_matrix(MIDPOINT)) == ONE
-
-
-@given(st.fractions(-2, 2, max_denominator=9), st.fractions(-2, 2, max_denominator=9))
-def test_evaluation_of_a_rational_function(x: Q, y: Q) -> None:
-    f = fraction(1 + Z * 2, 3 + Z**2)
-    assert exact(f(scalar(x))) == (1 + 2 * x) / (3 + x * x)
-    total = f + fraction(Z)
-    assert exact(total(scalar(y))) == (1 + 2 * y) / (3 + y * y) + y
-    assert exact(evaluate(polynomial([1, 2]), scalar(ROOT_3))) == 1 + 2 * ROOT_3

@@ -18,7 +18,8 @@ from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import rational_root
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError, pair_polynomial, ray_bound
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError, pair_polynomial, ray_bound
+from driftproof.symbolic.linear.stability_limits import ALWAYS, Bound
 from driftproof.symbolic.linear.systems import SystemFacts
 from tests.symbolic.linear.linear_examples import STUCK, Z
 

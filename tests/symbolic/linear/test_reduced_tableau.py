@@ -5,14 +5,13 @@ from __future__ import annotations
 from fractions import Fraction as Q
 
 import pytest
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_mat
 from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof import strategies
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.oscillator import is_matrix_symmetric, oscillator_matrix
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.reduced_tableau import (
     StageCoefficients,
     adjoint,
@@ -27,7 +26,6 @@ from driftproof.symbolic.linear.reduced_tableau import (
     symplectic_residuals,
 )
 from driftproof.symbolic.linear.stability_function import stability_function
-from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
 from driftproof.symbolic.trees.modified_equation import method_series
 from tests.changes import coefficients, moved
 from tests.methods.tables.entries import entry
@@ -47,7 +45,6 @@ from tests.symbolic.linear.linear_examples import (
     TRAPEZOID,
     runge_kutta,
 )
-from tests.witnesses.b_series import symplectic_to_order
 
 EXAMPLES = {
     "gauss2": (GAUSS_2, True, True), "midpoint": (MIDPOINT, True, True), "trapezoid": (TRAPEZOID, False, True),
@@ -65,16 +62,6 @@ EXAMPLES = {
 def test_symplectic_and_symmetric(name: str) -> None:
     method, symplectic, symmetric = EXAMPLES[name]
     assert (is_symplectic(method), is_symmetric(method)) == (symplectic, symmetric)
-
-
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_what_holds_for_every_problem_holds_for_the_oscillator(name: str) -> None:
-    method, symplectic, symmetric = EXAMPLES[name]
-    m = oscillator_matrix(method)
-    (qq, qv), (vq, vv) = m
-    area = qq * vv - qv * vq
-    assert not symplectic or area == fraction(fmpq_poly([1]))
-    assert not symmetric or is_matrix_symmetric(m)
 
 
 def test_trapezoid_looks_symplectic_on_the_oscillator_and_is_not() -> None:
@@ -142,14 +129,6 @@ def test_symmetry_does_not_depend_on_the_order_of_the_stages() -> None:
     shuffled = runge_kutta([[method.a[i][j] for j in turn] for i in turn], [method.b[i] for i in turn])
     assert is_symmetric(shuffled)
     assert not is_symmetric(runge_kutta(shuffled.a, method.b))
-
-
-def test_reducible_tableau_is_judged_by_what_it_does() -> None:
-    """Lobatto IIIB with two stages calls f twice at the midpoint: as given M is not 0, and yet it is symplectic."""
-    method = entry("lobatto_iiib2")
-    assert any(x for row in quadratic_matrix(method) for x in row)
-    assert is_symplectic(method)
-    assert symplectic_to_order(method_series(method, 8)) == 8
 
 
 @given(strategies.runge_kutta_methods(max_stages=3), st.permutations(range(3)))

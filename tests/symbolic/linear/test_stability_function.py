@@ -1,4 +1,4 @@
-"""R(z): Padé of the collocation families, the monomial tableau, and two formulas that agree."""
+"""R(z): Padé of the collocation families, and two formulas that agree."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import matrix_determinant
-from driftproof.symbolic.algebra.polynomials import FieldPolynomial, exact, polynomial, scalar
+from driftproof.symbolic.algebra.polynomials import FieldPolynomial, exact, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.stability_function import (
-    NodeTableau,
     ScalarTableau,
     prothero_robinson,
     resolvent,
     scalar_tableau,
+    stability_function,
     stability_function_by_moments,
-    stability_function_of_collocation,
 )
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import (
@@ -45,24 +44,12 @@ from tests.symbolic.linear.linear_examples import (
 @pytest.mark.parametrize("stages", range(1, 11))
 def test_gauss_and_radau_are_pade(stages: int) -> None:
     """R of Gauss and Radau IIA on the diagonal and below it."""
-    r = stability_function_of_collocation(gauss(stages).node_polynomial)
+    r = stability_function(gauss(stages))
     assert r == pade(stages, stages)
     assert a_stability(r).reason.startswith("|R(iy)| = 1 for every y")
-    below = stability_function_of_collocation(radau_iia(stages).node_polynomial)
+    below = stability_function(radau_iia(stages))
     assert below == pade(stages - 1, stages)
     assert l_stability(below)
-
-
-@pytest.mark.parametrize("nodes", [(-1, 30, -210, 560, -630, 252), (0, 1), (-1, 1), (Q(2, 9), -1, 1), (1, -5, 5)])
-def test_collocation_function_by_the_monomial_tableau(nodes: tuple[Q | int, ...]) -> None:
-    """The second formula integrates in Q[x]/M and needs no node either."""
-    monic = polynomial(nodes) / polynomial(nodes).leading_coefficient()
-    assert stability_function_by_moments(NodeTableau.of(monic)) == stability_function_of_collocation(nodes)
-
-
-def test_collocation_needs_a_node() -> None:
-    with pytest.raises(ValueError, match="at least one node"):
-        stability_function_of_collocation((3,))
 
 
 # One γ over Q, and one over each of two fields.
@@ -107,8 +94,6 @@ def test_order_reduction_functions_of_sdirk_and_radau() -> None:
     assert third.at_infinity() == 0
     assert prothero_robinson(MIDPOINT, 1) == zero
     assert prothero_robinson(MIDPOINT, 2).at_infinity() == Q(1, 4)
-    with pytest.raises(ValueError, match="numbered from 1"):
-        prothero_robinson(MIDPOINT, 0)
 
 
 @pytest.mark.parametrize("stages", [GAUSS_3, RADAU_3, LOBATTO_3])

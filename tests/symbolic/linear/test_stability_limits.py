@@ -14,23 +14,22 @@ from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import evaluate, polynomial, scalar, sign
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, sign_at
-from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
-from driftproof.symbolic.derivation.stability import stability_limit
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, positive_roots, rational_root, sign_at
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import (
+    ALWAYS,
     INFINITY,
+    NEVER,
     boundary_of,
-    bounded_limit,
-    first_failure,
+    bounded_powers,
+    first_bound,
     imaginary_limit,
     is_bounded,
     real_limit,
     smallest,
 )
 from driftproof.texts.writing.records import number_record, record
-from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import NIL, ROOT_3, Z, chebyshev, limit_text, modulus, sdirk, triple_jump
 
 
@@ -159,11 +158,14 @@ def test_smallest_of_some_limits() -> None:
     assert smallest([]) is INFINITY
 
 
-def test_first_failure_is_the_left_end_of_the_first_interval_that_fails() -> None:
-    p = (Z - 1) ** 2 * (Z - 2) * (Z - 3)
-    assert first_failure([p], lambda x: p(x) >= 0) == rational_root(Q(2))
-    assert first_failure([p], lambda x: True) is INFINITY
-    assert first_failure([p], lambda x: False) == ZERO_ROOT
+def test_first_bound_is_the_left_end_of_the_first_interval_that_fails_or_a_root_that_does() -> None:
+    p, one, two = (Z - 1) ** 2 * (Z - 2) * (Z - 3), rational_root(Q(1)), rational_root(Q(2))
+    roots = positive_roots([p])
+    assert first_bound(roots, lambda x: p(x) >= 0) == (two, True)
+    assert first_bound(roots, lambda x: p(x) >= 0, lambda root: root != two) == (two, False)
+    assert first_bound(roots, lambda x: p(x) >= 0, lambda root: False) == (one, False)
+    assert first_bound(roots, lambda x: True) is ALWAYS
+    assert first_bound(roots, lambda x: False) is NEVER
 
 
 def step_matrix(*entries: Any, over: int = 1) -> StepMatrix:
@@ -205,36 +207,24 @@ POWERS: dict[str, tuple[StepMatrix, str]] = {
 @pytest.mark.parametrize("name", POWERS)
 def test_bounded_powers_of(name: str) -> None:
     m, limit = POWERS[name]
-    assert limit_text(bounded_limit(m)) == limit
+    assert limit_text(bounded_powers(m).limit) == limit
 
 
 def test_touch_through_the_identity_over_a_number_field() -> None:
     """The step s(h) = h(√3 - h) is 0 at √3, which is no limit; the same trace with a Jordan block there is one."""
     s = polynomial([0, ROOT_3, -1])
     through = sheared(s)
-    limit = bounded_limit(through)
+    limit = bounded_powers(through).limit
     assert isinstance(limit, RealRoot)
     assert limit.minimal == (4, 0, -7, 0, 1)  # (√3 + √11)/2, where s = -2
     jordan = companion(2 - s * s)
-    assert limit_text(bounded_limit(jordan)) == "sqrt(3)"
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_bounded_limit_agrees_with_the_derivation_over_polynomials(key: str) -> None:
-    """The second implementation works on SymPy's Q[h] and algebraic fields."""
-    ours, theirs = bounded_limit(oscillator_matrix(NINE[key])), stability_limit(polynomial_matrix(NINE[key]))
-    if ours is INFINITY:
-        assert str(theirs) == "oo"
-    else:
-        assert isinstance(ours, RealRoot)
-        low, high = ours.interval()
-        assert low <= theirs <= high
+    assert limit_text(bounded_powers(jordan).limit) == "sqrt(3)"
 
 
 @given(strategies.splittings(max_pairs=3))
 def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> None:
     boundary = boundary_of(oscillator_matrix(method))
-    limit = bounded_limit(oscillator_matrix(method))
+    limit = bounded_powers(oscillator_matrix(method)).limit
 
     def bounded_at(x: Q) -> bool:
         return is_bounded(boundary, lambda p: sign(evaluate(p, scalar(x))))
@@ -254,7 +244,7 @@ def test_powers_of_random_splittings_inside_and_beyond(method: Splitting) -> Non
 
 
 def test_limit_of_a_splitting_over_a_cubic_field() -> None:
-    limit = bounded_limit(oscillator_matrix(triple_jump()))
+    limit = bounded_powers(oscillator_matrix(triple_jump())).limit
     assert record(limit) == {
         "exact": None, "minpoly": "x**6 - 36*x**4 + 432*x**2 - 864", "interval": ["1", "2"],
         "decimal": "1.573401947434540056629579441963",

@@ -5,41 +5,15 @@ from __future__ import annotations
 from fractions import Fraction as Q
 
 import pytest
-import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.symbolic.derivation.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
-from driftproof.symbolic.derivation.one_step import RING, at_rational, matrix_at, one_step_matrix
 from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm, root_above
 from driftproof.symbolic.rounding.step_bound import LinearBound
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.nine import NINE
 from tests.symbolic.rounding.programs import IRRATIONAL, ONE_ZERO
-
-
-def test_any_matrix_is_a_similarity_in_the_area_that_it_sweeps():
-    """MᵀSM = det(M) S for the form S of z ∧ Mz, as an identity in the four entries of M."""
-    a, b, c, d = sympy.symbols("a b c d")
-    m, s = sympy.Matrix([[a, b], [c, d]]), sympy.Matrix([[c, (d - a) / 2], [(d - a) / 2, -b]])
-    assert sympy.expand(m.T * s * m - m.det() * s) == sympy.zeros(2)
-    for entries in ((1, 2, -3, 5), (1, -7, 5, 2)):  # the norm is that form, its larger square coefficient scaled to 1
-        qq, qv, vq, vv = map(Q, entries)
-        assert adapted_norm((qq, qv, vq, vv)).qv == (vv - qq) / max(vq, -qv, key=abs)
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_the_norm_is_the_energy_or_the_invariant_that_the_exact_side_finds(key):
-    m, h = one_step_matrix(NINE[key]), Q(3, 4)
-    try:
-        expected, rho_squared = (RING.one, RING.zero, RING.one), energy_multiplier(m)
-    except StateDependentEnergy:
-        expected, rho_squared = invariant_quadratic(m), RING.one
-    norm = adapted_norm(matrix_at(m, h))
-    assert norm.rho_squared == at_rational(rho_squared, h)
-    q2, qv, v2 = (at_rational(c, h) for c in expected)
-    assert (norm.qq * qv, norm.qq * v2, norm.qv * v2) == (q2 * norm.qv, q2 * norm.vv, qv * norm.vv)  # proportional
 
 
 @pytest.mark.parametrize("key", [*NINE, *IRRATIONAL])

@@ -16,7 +16,6 @@ from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import enclose, endpoints, is_less
 from driftproof.symbolic.error_budget import ErrorOfRun
-from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY64
 from driftproof.symbolic.rounding.n_steps_bound import (
     HypothesisFails,
@@ -89,13 +88,6 @@ def test_underflow_is_inside_the_theorem_and_would_break_it_outside():
     assert without.euclidean**2 < squared <= bound.euclidean**2
 
 
-def test_ten_million_steps_are_bounded_at_once():
-    bound = run_bound(symplectic_euler, Q(1, 4), 10**7, ONE_ZERO)
-    assert bound.norm.rho == 1
-    assert 0 < bound.euclidean < 2 * 10**7 * U
-    assert run_bound(rk4, Q(1, 4), 10**7, ONE_ZERO).euclidean < Q(1, 10**8)
-
-
 def test_nothing_happens_in_no_steps_or_from_the_origin_but_underflow():
     assert run_bound(rk4, Q(1, 4), 0, ONE_ZERO).own == 0
     origin = run_bound(rk4, Q(1, 4), 10, (Q(0), Q(0)))
@@ -147,14 +139,6 @@ def test_the_closed_form_is_the_recursion_solved():
     assert low <= bound.own <= high * (1 + Q(1, 2**39))
 
 
-def test_the_growth_of_a_step_is_its_bound_seen_in_the_norm():
-    h = Q(1, 4)
-    bound = run_bound(leapfrog, h, 1, ONE_ZERO)
-    error, underflow = fixed_step_bound(leapfrog, h).linear
-    assert bound.growth == bound.norm.gain(error)
-    assert bound.underflow == bound.norm.largest_of_signs(*underflow)
-
-
 # --- over a number field --------------------------------------------------------------------------------------------
 
 
@@ -168,15 +152,6 @@ def test_n_steps_over_a_field_stay_within_the_theorem_and_a_planted_error_of_1e_
     right, wrong = (ErrorOfRun(exact, h, steps, start, run) for run in runs)
     assert is_less(right.rounding, bound)
     assert is_less(bound, wrong.rounding)
-
-
-def test_a_splitting_over_a_field_has_rho_one_and_a_norm_up_to_its_limit_only():
-    bound = run_bound(METHODS["yoshida4"], Q(1, 4), 10**7, ONE_ZERO)
-    assert bound.norm.rho == 1
-    assert 0 < bound.euclidean < 7 * 10**7 * U
-    with pytest.raises(HypothesisFails, match="at h = 5/2: the step has real eigenvalues"):
-        run_bound(METHODS["yoshida4"], Q(5, 2), 10, ONE_ZERO)
-    assert run_bound(METHODS["yoshida4"], Q(1), 10, ONE_ZERO).own > 0
 
 
 # --- overflow -------------------------------------------------------------------------------------------------------

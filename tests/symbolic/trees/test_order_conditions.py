@@ -15,7 +15,6 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.number_field import Exact, square_root
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,
     order,
@@ -27,7 +26,6 @@ from driftproof.symbolic.trees.order_conditions import (
     simplifying_assumptions,
 )
 from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees, vertices
-from proofs.derivations.convergence import local_error
 from tests.changes import moved, rows
 from tests.looping import exactly, some
 from tests.methods.tables.entries import entry
@@ -97,12 +95,6 @@ def test_tolerance_does_not_invent_an_order_that_so_few_stages_cannot_have() -> 
     assert order_to_tolerance(runge_kutta_conditions(RK4), 1) == 4
     assert order_to_tolerance(runge_kutta_conditions(entry("gauss2")), 1) == 4
     assert order_to_tolerance(runge_kutta_conditions(entry("fehlberg78")), 1, limit=6) == 6
-
-
-@pytest.mark.parametrize(("tolerance", "error"), [(0.5, TypeError), (True, TypeError), (Q(-1), ValueError)])
-def test_tolerance_that_is_no_exact_number_is_refused(tolerance: Q, error: type[Exception]) -> None:
-    with pytest.raises(error, match="tolerance"):
-        order_to_tolerance(runge_kutta_conditions(RK4), tolerance)
 
 
 def test_algebraic_residuals_are_exact_and_compared_exactly() -> None:
@@ -180,8 +172,3 @@ def test_order_of_any_method_is_where_its_conditions_written_out_first_fail(meth
     assert weight_written_out(method, fact.failing_tree) - Q(1, density(fact.failing_tree)) == fact.residual != 0
     for tree in (tree for n in range(1, min(fact.order, 3) + 1) for tree in rooted_trees(n)):
         assert weight_written_out(method, tree) == Q(1, density(tree))
-
-
-@given(strategies.runge_kutta_methods())
-def test_order_never_exceeds_the_order_on_the_oscillator(method: RungeKutta) -> None:
-    assert 1 <= order(method).order <= local_error(one_step_matrix(method)).linear_order

@@ -153,13 +153,6 @@ def test_order_of_verlet_is_that_of_its_nystrom_form() -> None:
     assert first == second
 
 
-@pytest.mark.parametrize("key", ["rk4", "gill4", "radau_iia3", "dormand_prince54", "fehlberg78"])
-def test_order_with_nodes_is_the_order_where_nodes_are_row_sums(key: str) -> None:
-    method = entry(key)
-    assert method.inconsistencies() == {}
-    assert order_of(conditions_with_nodes(method)).order == order(method).order
-
-
 def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
     """The clock of one stage is wrong by 10⁻³⁰: f(y) has order 4 still, f(t, y) order 1."""
     method = entry("rk4")

@@ -21,7 +21,7 @@ def test_report_says_what_is_wrong_and_what_is_covered():
     covered = "33.3% of 6 numbers covered: 0 by values, 2 given, 4 uncovered; 5 labels not counted"
     assert TextReport.of("a.txt", document, CLAIMS).written("text") == f"a.txt: 1 claim, all hold\n{covered}"
     words = TextReport.of("a.txt", document_of(TEXT + " Two, two and ten."), CLAIMS)
-    assert words.written("text").splitlines()[2] == "not checked: 3 words for numbers or growth (two, ten)"
+    assert words.written("text").splitlines()[2] == "not checked: 3 words for numbers or growth (two ×2, ten)"
     assert json.loads(words.written("json"))["words"][2] == {"text": "ten", "line": 3, "column": 58}
     parts = TextReport.of("a.txt", document_of(TEXT + r"\input{b} \input{c}"), CLAIMS)
     assert parts.written("text").splitlines()[2] == "not read: b, c, included by the text; check each separately"
@@ -70,7 +70,7 @@ def test_report_shows_24_characters_three_values_five_words_and_5000_numbers():
     assert report[0].startswith(f"a.txt:1:32: not covered: '{'a' * 23} 40 {'b' * 23}'; looks like ")
     assert report[0].partition("; looks like ")[2].count(", ") == 2
     assert " more" in report[0]
-    assert report[-1] == "not checked: 6 words for numbers or growth (two, three, four, five, six, ...)"
+    assert report[-1] == "not checked: 6 words for numbers or growth (two, three, four, five, six, 1 more)"
     five = TextReport.of("a.txt", document_of("two three four five six"), Claims()).written("text")
     assert five.endswith("(two, three, four, five, six)")
     assert TextReport.of("a.txt", document_of("7 " * 5000), Claims(), suggest=True).coverage.counts[UNCOVERED] == 5000

@@ -51,7 +51,20 @@ def test_run_on_a_problem_of_a_file_is_that_of_a_float_program(tmp_path, monkeyp
 def test_run_on_decay_is_the_power_of_the_stability_function(key):
     power = f"(stability_function {key} z=-1/2) ** 4"
     for readout, same in (("y", power), ("state_error", f"abs({power} - exp(-2))"), ("exact.y", "exp(-2)")):
-        assert value(f"run {key} lambda=-2 h=1/4 t=1 : {readout}").digits(20) == value(same).digits(20)
+        for decay in ("lambda=-2", "y'=-2y, y(0)=1,"):
+            assert value(f"run {key} {decay} h=1/4 t=1 : {readout}").digits(20) == value(same).digits(20)
+        assert isinstance(value(f"run {key} lambda=-2 h=1/4 t=1 : y").exact, Q)
+
+
+def test_what_is_not_y_lambda_y_or_has_irrational_factors_is_enclosed():
+    for question, digits in (
+        ("run backward_euler y'=-2y+1, y(0)=1, h=1/2, t=1 : y", "0.6250000000"),  # (1 + 1/4) / 2
+        ("run backward_euler y'=-2y-y^2, y(0)=1, h=1/2, t=1/2 : y", "0.4494897428"),  # sqrt(6) - 2
+        ("run sdirk2 lambda=-1 h=1/2 t=1/2 : y", "0.6032634801"),
+        ("run backward_euler x'=-2x, y'=0*x, x(0)=1, y(0)=0, h=1/2, t=1 : x", "0.2500000000"),
+    ):
+        found = value(question)
+        assert (found.digits(10), found.exact_text) == (digits, None), question
 
 
 ENERGY = """\
