@@ -14,7 +14,6 @@ from driftproof.methods.given_methods import method_of
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import as_json, unknown
 from driftproof.support.results import Printable
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.derivation.energy import (
     StateDependentEnergy,
     energy_after,
@@ -51,14 +50,13 @@ from driftproof.symbolic.derivation.stability import (
     characteristic_polynomial,
     conditions,
     discriminant,
-    limit_in_sympy,
-    limit_of_step,
+    minimal_polynomial_of,
     multipliers,
     square_root_of_discriminant,
+    stability_limit,
 )
 from driftproof.symbolic.derivation.stages import derived_matrix
 from driftproof.symbolic.linear.facts import fact_names
-from driftproof.symbolic.linear.stability_limits import Infinity, Limit
 
 # Terms of the phase error; chosen, and doubled while all are zero, which ends: cos θ is algebraic in h, cos h is not.
 FIRST_TERMS = 8
@@ -203,10 +201,10 @@ class Derivation(Printable):
                 found.minus,
             ),
         )
-        square = expression(found.den) ** 2
+        square = expression(found.pole) ** 2
         steps = [ProofStep(why, _chain(symbol, sympy.factor(expression(p) / square))) for why, symbol, p in named]
-        limit = limit_of_step(self._m)
-        return Derived("stability_limit", LIMIT, limit_in_sympy(limit), (*steps, *_verdict(self._m, limit)))
+        value = stability_limit(self._m)
+        return Derived("stability_limit", LIMIT, value, (*steps, *_verdict(self._m, value)))
 
     def chosen(self, names: Sequence[str] = ()) -> tuple[Derived, ...]:
         """The derivations with these names, by default all. Raises ValueError for an unknown name."""
@@ -246,15 +244,14 @@ def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivati
     return Derivation(method_of(method), tuple(map(str.strip, only.split(",")) if isinstance(only, str) else only))
 
 
-def _verdict(m: DomainMatrix, found: Limit) -> list[ProofStep]:
+def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:
     """The steps from the boundedness conditions to the limit, and whether the powers are bounded at the limit."""
-    limit = limit_in_sympy(found)
-    if isinstance(found, Infinity) or found == ZERO_ROOT:
+    if limit in (0, sympy.oo):
         because = "For small $h > 0$ one of them is negative, or the roots coincide and the powers grow."
         return [ProofStep(because if limit == 0 else "None of them is negative for any $h > 0$.", (LIMIT, limit))]
     steps = [ProofStep("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
     if limit.atoms(sympy.CRootOf):
-        polynomial = sympy.Poly(found.minimal[::-1], STEP_SIZE).as_expr()
+        polynomial = minimal_polynomial_of(m, limit).as_expr()
         return [*steps, ProofStep("It is a root of this irreducible polynomial.", (polynomial, sympy.Integer(0)))]
     at = AtStep(m, limit)
     grows = "At $H$ the roots coincide and the powers grow." if at.jordan_block else "At $H$ the powers grow."

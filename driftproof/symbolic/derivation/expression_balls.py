@@ -30,8 +30,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
     if isinstance(expr, sympy.Rational):
         return arb(fmpq(int(expr.p), int(expr.q)))
     if isinstance(expr, sympy.CRootOf):
-        coefficients = expr.poly.clear_denoms()[1].all_coeffs()[::-1]
-        return real_root_balls(tuple(map(int, coefficients)), ctx.prec)[expr.index]  # ascending in both
+        return real_root_balls(integer_coefficients(expr.poly), ctx.prec)[expr.index]  # ascending in both
     if expr == sympy.pi:
         return arb.pi()
     if expr == sympy.E:
@@ -42,6 +41,11 @@ def enclose_expression(expr: sympy.Basic) -> arb:
     if expr.func not in _FUNCTIONS:
         raise TypeError(f"{expr.func.__name__} in {expr} cannot be enclosed in balls")
     return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
+
+
+def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
+    """The coefficients of an integer multiple of a polynomial over Q, constant term first."""
+    return tuple(int(c) for c in polynomial.clear_denoms()[1].all_coeffs()[::-1])
 
 
 _FUNCTIONS: dict[Any, Callable[..., arb]] = {

@@ -17,25 +17,29 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.real_roots import RealRoot
-from driftproof.symbolic.derivation.expression_balls import enclose_expression
+from driftproof.symbolic.derivation.expression_balls import enclose_expression, integer_coefficients
 from driftproof.symbolic.derivation.one_step import (
     FRACTION_FIELD,
     RING,
     H,
+    determinant,
+    expression,
     matrix,
     matrix_at,
     one_step_matrix,
     rational,
+    trace,
 )
-from driftproof.symbolic.derivation.stability import AtStep, stability_limit
+from driftproof.symbolic.derivation.stability import LAMBDA, AtStep, minimal_polynomial_of, multipliers, stability_limit
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.linear.stability_limits import bounded_powers
+from driftproof.symbolic.linear.stability_limits import bounded_limit
 from driftproof.symbolic.runs import apply
 from tests.nine import NINE
 from tests.symbolic.linear.test_stability_limits import POWERS
 
 SYMPLECTIC = one_step_matrix(NINE["symplectic_euler"])
 RK4 = one_step_matrix(NINE["rk4"])
+ENDPOINT = 2 * sympy.sqrt(2)
 
 
 def bounded_at(m: DomainMatrix, x: float) -> bool:
@@ -62,6 +66,11 @@ def test_rk4_is_bounded_below_the_double_next_to_two_root_two_and_not_above() ->
     assert Q(double) ** 2 != 8
 
 
+@pytest.mark.parametrize("ulps", range(-3, 4))
+def test_symplectic_euler_is_bounded_at_doubles_below_two_only(ulps: int) -> None:
+    assert bounded_at(SYMPLECTIC, strategies.step_by_ulps(2.0, ulps)) == (ulps < 0)
+
+
 def over_sympy(m: StepMatrix) -> DomainMatrix:
     """The same matrix over SymPy's Q(h)."""
 
@@ -79,6 +88,21 @@ def test_limit_of_a_matrix_built_on_purpose(name: str) -> None:
 
 
 THIRD = rational(Q(1, 3))
+TOUCHING = matrix([[0, 1 - H * (H - 1) ** 2 / 4], [-1, 0]])  # its determinant touches 1 and returns
+S = H * (1 - H) * (2 - H) / 4
+TOUCHING_TWICE = matrix([[1 - S**2, S], [-S, 1]])  # the identity where S = 0
+
+
+def test_determinant_that_touches_one_is_no_limit() -> None:
+    limit = stability_limit(TOUCHING)
+    assert AtStep(TOUCHING, sympy.Integer(1)).determinant == 1
+    assert expression(determinant(TOUCHING)).subs(sympy.Symbol("h"), limit).equals(-1)
+
+
+def test_limit_without_radicals_is_a_root_of_its_polynomial() -> None:
+    limit = stability_limit(over_sympy(POWERS["a boundary without radicals"][0]))
+    assert isinstance(limit, sympy.CRootOf)
+    assert sympy.minimal_polynomial(limit, LAMBDA) == LAMBDA**5 - LAMBDA - 3
 
 
 @pytest.mark.slow(keep=1)
@@ -87,9 +111,19 @@ def test_limit_with_long_coefficients_is_found_without_a_list_of_all_roots(
     key: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sympy.CRootOf, "_get_reals", None)  # it takes minutes, and was asked for
-    limit, expected = stability_limit(one_step_matrix(METHODS[key])), bounded_powers(oscillator_matrix(METHODS[key]))
-    assert isinstance(expected.limit, RealRoot)
-    assert enclose_expression(limit).overlaps(expected.limit.ball())
+    m = one_step_matrix(METHODS[key])
+    limit, expected = stability_limit(m), bounded_limit(oscillator_matrix(METHODS[key]))
+    assert isinstance(expected, RealRoot)
+    assert enclose_expression(limit).overlaps(expected.ball())
+    assert integer_coefficients(minimal_polynomial_of(m, limit)) in (
+        expected.minimal,
+        tuple(-c for c in expected.minimal),
+    )
+
+
+def test_limit_passes_each_touch_in_turn() -> None:
+    assert stability_limit(TOUCHING_TWICE).evalf() > 2
+    assert all(AtStep(TOUCHING_TWICE, sympy.Integer(touch)).matrix == sympy.eye(2) for touch in (1, 2))
 
 
 @pytest.mark.slow
@@ -135,3 +169,12 @@ JORDAN = [
 def test_jordan_blocks_matter_on_the_unit_circle_only(m: DomainMatrix, jordan: bool, bounded: bool) -> None:
     at = AtStep(m, sympy.Integer(1))
     assert (at.jordan_block, at.bounded) == (jordan, bounded)
+
+
+@pytest.mark.parametrize("key", NINE)
+def test_multipliers_are_the_two_roots(key: str) -> None:
+    m = one_step_matrix(NINE[key])
+    first, second = multipliers(m)
+    assert sympy.expand(first + second - expression(trace(m))) == 0
+    assert sympy.expand(first * second - expression(determinant(m))) == 0
+    assert sympy.expand(first - second) != 0
