@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from threading import Event, Lock, Thread
 from time import monotonic, time
+from typing import TextIO
 
 # Seconds before the progress line first appears, and between two updates of it.
 SILENCE, BEAT = 2.0, 1.0
@@ -22,25 +23,25 @@ _SHOWING = Lock()
 _STAGES: list[Stage] = []
 
 
-def on_terminal() -> bool:
-    """True if standard error is a terminal."""
-    return bool(sys.stderr and sys.stderr.isatty())
+def on_terminal(stream: TextIO | None = None) -> bool:
+    """True if the stream, by default standard error, is a terminal."""
+    return bool((shown := stream or sys.stderr) and shown.isatty())
 
 
 @contextmanager
-def working(name: str, *, plain: bool = False) -> Iterator[None]:
+def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> Iterator[None]:
     """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
-    Of nested blocks only the outermost shows a line. If `plain`, a standard error of this process that is a pipe gets
-    one line, after SILENCE, not in tests and on CI.
+    Of nested blocks only the outermost shows a line, and without a `name` only the seconds, after the text that it has.
+    If `plain`, a standard error of this process that is a pipe gets one line, after SILENCE, not in tests and on CI.
     """
-    shown = on_terminal()
+    shown = on_terminal(stream)
     own = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
     said = own and stat.S_ISFIFO(os.fstat(sys.stderr.fileno()).st_mode)
     if not (shown or said) or not _SHOWING.acquire(blocking=False):
         yield
         return
-    done, place = Event(), os.dup(sys.stderr.fileno())  # a test runner may replace the file meanwhile
+    done, place = Event(), os.dup((stream or sys.stderr).fileno())  # a test runner may replace the file meanwhile
     thread = Thread(target=_show if shown else _say, args=(name, done, place), daemon=True)
     thread.start()
     try:
@@ -92,7 +93,7 @@ def _show(name: str, done: Event, place: int) -> None:
         done_of = f", {bars[-1].n} of {bars[-1].total} {bars[-1].unit}s" if bars else ""
         seconds = f"{monotonic() - start:.0f} s"
         what, left = (_STAGES[-1].words, _STAGES[-1].left()) if _STAGES else ("working", " (Ctrl-C ends it)")
-        line = f"{name}: {what}, {seconds}{done_of}{left}"
+        line = f"{name}: {what}, {seconds}{done_of}{left}" if name else f" {seconds}"
         with suppress(OSError):
             if not bars:  # the text before the line is kept, and the cursor returns to its end
                 line = line.ljust(shown)

@@ -20,6 +20,7 @@ LINE = "driftproof verify: working, 0 s (Ctrl-C ends it)"
         ("driftproof verify", None, LINE),
         ("driftproof sweep", 0.0, "driftproof sweep: enclosing, 0 s"),
         ("driftproof sweep", 0.25, "driftproof sweep: enclosing, 0 s, about 3000 s to go"),
+        ("", 0.5, " 0 s"),
     ],
 )
 def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, part, line, monkeypatch):
