@@ -68,12 +68,12 @@ BUDGETS = {
     "support": 1264,
     "methods": 5526,
     "symbolic": 10714,
-    "numeric": 4330,
+    "numeric": 4364,
     "blackbox": 22002,
     "enclosure": 5438,
     "texts": 10460,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6063
+BUDGET_OF_REPORTS_AND_FRONT = 6124
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(959, 1000)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from math import inf, isfinite
+from math import ceil, inf, isfinite
 from typing import TypeVar
 
 from flint import ctx
@@ -30,6 +30,7 @@ from driftproof.numeric.stability import (
     LARGEST,
     Observed,
     bounded_again,
+    fastest_decay,
     fewest_steps,
     largest_bounded,
     observe,
@@ -49,6 +50,7 @@ from driftproof.symbolic.algebra.certified import (
     enclose,
     significant,
 )
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.claimed_orders import false_claims
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.multistep import MultistepFacts
@@ -148,7 +150,8 @@ def steps_in_words(problem: Problem, method: Entry) -> str:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
         return limit_text(_proved_limit(_system_facts(method, problem.matrix)))
-    fewest, most = _nonlinear_part(problem, method, runs).values()
+    found = _nonlinear_part(problem, method, runs)
+    fewest, most = found["fewest_steps"], found["looked_up_to"]
     return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
 
 
@@ -223,7 +226,18 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
         return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
     most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
-    return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
+    fewest = fewest_steps(follows, most)
+    return {"fewest_steps": fewest, "looked_up_to": most, **_unstable_part(problem, method, fewest)}
+
+
+def _unstable_part(problem: Problem, method: Entry, fewest: int | None) -> Json:
+    """From how many steps on y' = -λy is stable, λ the fastest decay along the solution, if fewer follow it."""
+    facts = MultistepFacts(method) if isinstance(method, Multistep) else Facts(_on_linear_problems(method))
+    limit, (decay, at) = facts.real_limit, fastest_decay(problem)
+    if fewest is None or not isinstance(limit, RealRoot) or limit == ZERO_ROOT or not decay > 0:
+        return {}
+    stable = ceil(float(problem.t) * decay / float(limit))
+    return {"decay": {"rate": repr(decay), "t": repr(at), "stable_from": stable}} if fewest < stable else {}
 
 
 def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:

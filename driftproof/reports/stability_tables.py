@@ -33,7 +33,7 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
         said = f"the error at the end is below {FOLLOWS} of the solution's size; with N - 1, 2(N - 1), ... not always"
         title = f"Observed: with N steps, 2N, 4N, ... {said}"
-        return f"{title}\n\n{table(rows, right=(1, 2))}"
+        return f"{title}\n\n{table(rows, right=(1, 2))}{_decay_text(entries)}"
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
         seen = _seen_text(entry["seen"], by_rounding=entry["limit"] == "oo")
@@ -44,6 +44,19 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if any("started" in entry for entry in entries):
         notes.append("R(oo): of a multistep method the size of the largest root of sigma")
     return "\n".join(["The step sizes h whose powers stay bounded\n", f"{table(rows)}\n", *notes])
+
+
+def _decay_text(entries: Sequence[Json]) -> str:
+    """The fastest decay along the solution, and which methods follow it with fewer steps than it is stable for."""
+    seen = [(entry["method"], entry["decay"]) for entry in entries if "decay" in entry]
+    if not seen:
+        return ""
+    rate, t = (with_digits(float(seen[0][1][name]), 3) for name in ("rate", "t"))
+    needed = ", ".join(f"{each['stable_from']} on with {key}" for key, each in seen)
+    return (
+        f"\n\nBut the fastest decay along the solution, at t = {t}, is that of y' = -{rate} y, which is stable from "
+        f"N = {needed};\nwith fewer steps growth may have had no time to show, and a longer run may be lost"
+    )
 
 
 def _short(number: str | None) -> str | None:

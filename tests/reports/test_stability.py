@@ -1,6 +1,7 @@
 """Which steps a method can take on a problem: verdicts as proved beside what runs show, and refusals with reasons."""
 
 import json
+import math
 import re
 from fractions import Fraction
 
@@ -137,6 +138,19 @@ def test_a_method_that_does_not_apply_says_why(answer):
     assert "symplectic_euler does not apply: " in out
     assert "stormer2 does not apply: stormer2 is for y'' = F(y)" in out
     assert "ars222 does not apply: ars222 is an IMEX method" in out
+
+
+def test_steps_that_end_before_growth_shows_are_told_by_the_fastest_decay_and_a_longer_run_is_lost():
+    """Nearly on the slow curve y0 = y1 + sin(y1)/200, what is left of the decay at the rate 200 grows unseen at first."""
+    rod = {"rates": ["-200*(y0 - y1) + sin(y1)", "1 - y1"], "start": ["1.0042", "1"], "end": "1/4"}
+    rk4, implicit = (entry for entry in driftproof.stability(rod, ["rk4", "backward_euler"])["methods"])
+    assert "decay" not in implicit
+    assert rk4["fewest_steps"] < rk4["decay"]["stable_from"] == math.ceil(50 / 2.785293563405282)
+    assert (rk4["decay"]["rate"], rk4["decay"]["t"]) == ("200.0", "0.0")
+    text = str(driftproof.stability(rod, ["rk4", "backward_euler"]))
+    assert "at t = 0.00, is that of y' = -200 y, which is stable from N = 18 on with rk4;" in text
+    longer = driftproof.stability(rod | {"end": "2"}, ["rk4"])["methods"][0]
+    assert longer["fewest_steps"] / 8 > rk4["fewest_steps"]
 
 
 def test_an_order_that_an_own_table_claims_and_lacks_is_told(tmp_path):
