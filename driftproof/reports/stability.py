@@ -231,7 +231,7 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
 
 
 def _unstable_part(problem: Problem, method: Entry, fewest: int | None) -> Json:
-    """From how many steps on y' = -λy is stable, λ the fastest decay along the solution, if fewer follow it."""
+    """Find from how many steps on y' = -λy is stable, λ the fastest decay along the solution, if fewer follow it."""
     facts = MultistepFacts(method) if isinstance(method, Multistep) else Facts(_on_linear_problems(method))
     limit, (decay, at) = facts.real_limit, fastest_decay(problem)
     if fewest is None or not isinstance(limit, RealRoot) or limit == ZERO_ROOT or not decay > 0:
