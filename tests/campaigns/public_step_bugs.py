@@ -42,7 +42,8 @@ def of_step(step: Any) -> Said:
     """What `identify` says of a step that is no method of ours: its faults, and what small steps follow."""
     report = identify(step, isolate=False)
     faults = list(getattr(report.section("Faults"), "lines", ()))
-    if report.verdict.startswith(("undecided", "gives no answer")):
+    built_in = "its system is built in" in report.verdict  # which is no fault
+    if report.verdict.startswith(("undecided", "gives no answer")) and not built_in:
         faults.append(report.verdict)
     return Said("; ".join(words_of(report)), faults)
 

@@ -141,7 +141,7 @@ def test_a_method_that_does_not_apply_says_why(answer):
 
 
 def test_steps_that_end_before_growth_shows_are_told_by_the_fastest_decay_and_a_longer_run_is_lost():
-    """Nearly on the slow curve y0 = y1 + sin(y1)/200, what is left of the decay at the rate 200 grows unseen at first."""
+    """Nearly on the slow curve y0 = y1 + sin(y1)/200, what is left of the decay at the rate 200 grows unseen."""
     rod = {"rates": ["-200*(y0 - y1) + sin(y1)", "1 - y1"], "start": ["1.0042", "1"], "end": "1/4"}
     rk4, implicit = (entry for entry in driftproof.stability(rod, ["rk4", "backward_euler"])["methods"])
     assert "decay" not in implicit
