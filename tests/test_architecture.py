@@ -75,7 +75,7 @@ BUDGETS = {
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6124
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(959, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(931, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

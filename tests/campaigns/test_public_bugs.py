@@ -9,14 +9,7 @@ from tests.campaigns.public_bugs import ALL, Outcome, outcome, page
 from tests.looping import some
 
 PAGE = Path(__file__).parents[2] / "docs" / "public_bugs.md"
-# What is seen on the same way as another one of them, or takes as many calls as it may, is examined in the long tier.
-LATER = ("pafuhana1213/KawaiiPhysics#81", "ufz/ogs5#25", "OPALX-project/OPAL#1375", "Pele-Suite/PelePhysics#300")
-LATER += ("pmgbergen/porepy#939", "KratosMultiphysics/Kratos#5515", "SciML/OrdinaryDiffEq.jl#4329")
-LATER += ("jax-ml/jax#40510", "headmyshoulder/odeint-v2#173", "firemodels/fds#8009", "mfem/mfem#2343")
-EACH = [
-    pytest.param(each, id=f"{each.reference}: {each.about}", marks=[pytest.mark.long] * (each.reference in LATER))
-    for each in ALL
-]
+EACH = [pytest.param(each, id=f"{each.reference}: {each.about}") for each in ALL]
 
 
 @pytest.mark.slow(keep=3)
