@@ -65,7 +65,7 @@ NOT_ELSEWHERE = "sympy"
 # (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
-    "support": 1264,
+    "support": 1273,
     "methods": 5526,
     "symbolic": 10714,
     "numeric": 4364,
@@ -73,7 +73,7 @@ BUDGETS = {
     "enclosure": 5438,
     "texts": 10460,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6124
+BUDGET_OF_REPORTS_AND_FRONT = 6127
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(931, 1000)
 

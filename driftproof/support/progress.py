@@ -1,4 +1,4 @@
-"""The progress line of long computations, with the seconds that have passed, on a terminal; in a pipe, one line."""
+"""The progress line of long computations, with the seconds that have passed, on a terminal; in a pipe, a few lines."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from typing import TextIO
 
 # Seconds before the progress line first appears, and between two updates of it.
 SILENCE, BEAT = 2.0, 1.0
+# Seconds after which a pipe gets another line; then after twice as many, and so on.
+AGAIN = 30.0
 _BACK = "\b"
 # Set by pytest for what a test starts, and where nobody waits: outputs are compared there, and times differ.
 QUIET = {"PYTEST_CURRENT_TEST", "CI"}
@@ -33,7 +35,8 @@ def working(name: str, stream: TextIO | None = None, *, plain: bool = False) -> 
     """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
     Of nested blocks only the outermost shows a line, and without a `name` only the seconds, after the text that it has.
-    If `plain`, a standard error of this process that is a pipe gets one line, after SILENCE, not in tests and on CI.
+    If `plain`, a standard error of this process that is a pipe gets a line after SILENCE, and others after AGAIN, twice
+    AGAIN, ... seconds; not in tests and on CI.
     """
     shown = on_terminal(stream)
     own = plain and not shown and sys.stderr is not None and sys.stderr is sys.__stderr__ and not QUIET & {*os.environ}
@@ -78,9 +81,15 @@ def stage(words: str) -> Iterator[Stage]:
 
 
 def _say(name: str, done: Event, place: int) -> None:
-    if not done.wait(SILENCE):
+    """Write a line after SILENCE, then after AGAIN, 2 AGAIN, 4 AGAIN, ... seconds with these, and what is left."""
+    wait, passed = SILENCE, 0.0
+    while not done.wait(wait):
+        passed += wait
+        what, left = (_STAGES[-1].words, _STAGES[-1].left()) if _STAGES else ("working (Ctrl-C ends it)", "")
+        since = f", {passed:.0f} s{left}" if passed > SILENCE else ""
         with suppress(OSError):
-            os.write(place, f"{name}: {_STAGES[-1].words if _STAGES else 'working (Ctrl-C ends it)'}\n".encode())
+            os.write(place, f"{name}: {what}{since}\n".encode())
+        wait = AGAIN - passed if passed < AGAIN else passed
 
 
 def _show(name: str, done: Event, place: int) -> None:

@@ -4,6 +4,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from threading import Event, Thread
 from time import monotonic, sleep
 
 import pytest
@@ -65,6 +66,25 @@ def test_in_a_pipe_a_command_says_one_line_and_a_function_and_a_file_get_none(tm
         with os.fdopen(read) as reader:
             said.append(reader.read() + (tmp_path / "errors").read_text())
     assert said == ["driftproof report: errors of rk4\n", "", "", ""]
+
+
+def test_in_a_pipe_long_work_says_again_how_long_it_has_been_and_what_is_left(monkeypatch):
+    """After 0.02 s, 0.1 s, 0.2 s and 0.4 s, the stage having done a half in a minute."""
+    monkeypatch.setattr(progress, "SILENCE", 0.02)
+    monkeypatch.setattr(progress, "AGAIN", 0.1)
+    monkeypatch.setattr(progress, "_STAGES", [progress.Stage("enclosing", 0.5, progress.monotonic() - 60)])
+    read, write = os.pipe()
+    done = Event()
+    thread = Thread(target=progress._say, args=("driftproof stability", done, write))
+    thread.start()
+    with os.fdopen(read) as reader:
+        told = [reader.readline() for _ in range(4)]
+        done.set()
+        thread.join()
+        os.close(write)
+        assert told[0] == "driftproof stability: enclosing\n"
+        assert told[1:] == ["driftproof stability: enclosing, 0 s, about 60 s to go\n"] * 3
+        assert reader.read().count("\n") <= 1
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):

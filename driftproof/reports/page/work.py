@@ -111,8 +111,11 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}) -> str:
         if curve.refused:
             rows.append([curve.title, "does not apply", *[""] * (len(header) - 2)])
             continue
-        measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
-        measured = f"not settled ({x.least:.3f} to {x.largest:.3f})" if x and x.largest - x.least >= 1 else measured
+        measured = "–"
+        if (x := curve.order) is not None:
+            settled = x.largest - x.least < 1 and curve.verdict != "not settled"
+            measured = f"{f'{x.median:.3f}' if settled else 'not settled'} ({x.least:.3f} to {x.largest:.3f})"
+            measured += f", {curve.verdict}" * bool(settled and curve.verdict)
         most = max((point.steps or 0 for point in curve.points), default=0)
         pairs = zip(fewest[curve.key], least, strict=True)
         cells = [f"{calls}{' *' * (calls == best)}" if calls else f"not with {most} steps" for calls, best in pairs]

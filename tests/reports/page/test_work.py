@@ -65,6 +65,12 @@ def test_errors_far_beyond_the_solution_are_counted_and_do_not_stretch_the_axis(
     )
 
 
+def test_an_order_below_the_claim_is_said():
+    points = [Point(str(n), n, {STATE: Size(1 / n, 1 / n)}, scale=1.0, steps=n) for n in (8, 16, 32, 64)]
+    for claimed, said in ((2, "1.000 (1.000 to 1.000), below the claimed order 2"), (1, "1.000 (1.000 to 1.000)<")):
+        assert said in work_table([Curve("c", "C", claimed, points)])
+
+
 def test_methods_without_any_error_are_told_of():
     found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
     shown, figure = work_table(found), work_figure(found, "id", Q(1))
