@@ -66,16 +66,16 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5526,
-    "symbolic": 10714,
+    "methods": 5528,
+    "symbolic": 10716,
     "numeric": 4364,
     "blackbox": 22002,
     "enclosure": 5438,
-    "texts": 10460,
+    "texts": 10462,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6127
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(931, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -28,7 +28,7 @@ from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sectio
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.stepper.wrappers import substeps_wrapper
 from driftproof.blackbox.verification import Refutation, Verification
-from driftproof.methods.catalogue import METHODS, FactsOnly
+from driftproof.methods.catalogue import METHODS, FurtherMethod
 from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, RemarkWarning, assert_verdict, time_limit_of_test
@@ -40,7 +40,7 @@ _REMARKS = (arguments, digits, types)
 
 def verify(
     step: Callable[..., Any] | str,
-    method: str | Path | Method | FactsOnly,
+    method: str | Path | Method | FurtherMethod,
     *,
     calls: str | None = None,
     array: Callable[[Any], Any] | str | None = None,
@@ -77,7 +77,7 @@ def verify(
     if callable(system):  # which no other interpreter can import
         step = imported(step)
     with IsolatedRunner(Target(step, calls, array, system is not None), time_limit, isolate) as runner:
-        if isinstance(found, FactsOnly | Boris):
+        if isinstance(found, FurtherMethod | Boris):
             if system is not None:
                 raise ValueError(f"{found.key} is no method of one step, which alone is held to a system")
             return verify_family(runner, found)
@@ -93,7 +93,7 @@ def verify(
 
 def assert_verified(
     step: Callable[..., Any] | str,
-    method: str | Path | Method | FactsOnly,
+    method: str | Path | Method | FurtherMethod,
     *,
     allow_undecided: bool = False,
     calls: str | None = None,

@@ -57,13 +57,13 @@ def _completed(name: str) -> Iterator[tuple[str, Sequence[str]]]:
 
 def _names(command: str) -> dict[str, Sequence[str]]:
     """The names that each option or argument of a command takes, by its own name."""
-    from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+    from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
     from driftproof.numeric.problems.catalogue import PROBLEMS
     from driftproof.numeric.scenes import PRESETS
     from driftproof.symbolic.facts import FACTS, ON_REQUEST
 
     return {
-        **dict.fromkeys(("method", "methods"), (*METHODS, *FACTS_ONLY)),
+        **dict.fromkeys(("method", "methods"), (*METHODS, *FURTHER_METHODS)),
         **dict.fromkeys(("scene", "scenes", "name"), tuple(PRESETS)),
         "problem": tuple(PROBLEMS),
         "only": (*FACTS, *ON_REQUEST) if command == "facts" else (),

@@ -20,14 +20,14 @@ def methods_command(options: Namespace) -> str:
       driftproof methods
       driftproof methods --format json
     """
-    from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+    from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
     from driftproof.methods.families import FAMILIES
     from driftproof.support.plain_text import as_json, table
 
     names = {"RungeKutta": "Runge-Kutta", "Collocation": "collocation", "Splitting": "splitting", "Nystrom": "Nyström"}
     names |= {"Multistep": "multistep", "Rosenbrock": "Rosenbrock", "Additive": "IMEX"}
     rows = [["method", "family", "order", "title", "source"]]
-    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
+    for key, method in (*METHODS.items(), *FURTHER_METHODS.items()):
         rows.append([key, names[type(method).__name__], str(method.claimed_order), method.title, method.source])
     for key, family in FAMILIES.items():
         rows.append([key, f"Runge-Kutta in {family.parameter}", str(family.claimed_order), family.title, family.source])

@@ -28,9 +28,9 @@ TABLES = (
 )
 # The tables of methods whose step takes more than one state and f: there are facts of them, but no exact runs or
 # derivations; those of one f have float runs.
-TABLES_OF_FACTS = ("multistep", "rosenbrock", "additive")
-FactsOnly: TypeAlias = Multistep | Rosenbrock | Additive
-Entry: TypeAlias = Method | FactsOnly
+FURTHER_TABLES = ("multistep", "rosenbrock", "additive")
+FurtherMethod: TypeAlias = Multistep | Rosenbrock | Additive
+Entry: TypeAlias = Method | FurtherMethod
 _Kind = TypeVar("_Kind")
 
 # Appended to the key of a pair for the method that propagates its embedded weights.
@@ -79,7 +79,7 @@ class Catalogue(KeyedTable[_Kind]):
 
 
 METHODS: Catalogue[Method] = Catalogue(TABLES)
-FACTS_ONLY: Catalogue[FactsOnly] = Catalogue(TABLES_OF_FACTS)
+FURTHER_METHODS: Catalogue[FurtherMethod] = Catalogue(FURTHER_TABLES)
 EXTENSIONS: Catalogue[ContinuousExtension] = Catalogue(["continuous"])
 
 
@@ -91,7 +91,7 @@ def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
 
 def of_one_state(method: Entry, name: str = "") -> Method:
     """Return the method. Raises MethodError if its step takes more than one state and f; `name` may be its file."""
-    if isinstance(method, FactsOnly):
+    if isinstance(method, FurtherMethod):
         starts = isinstance(method, Multistep) and method.derivative == 1
         asked = f"`driftproof value 'run {name or method.key} started=rk4 h=0.1 t=1 : state_error'`"
         runs = "" if isinstance(method, Additive) else "`driftproof stability`, `work-precision`, scenes of a problem, "
@@ -112,19 +112,21 @@ def entry_named(name: str) -> Entry:
     >>> entry_named("semi-implicit Euler").key
     'symplectic_euler'
     """
-    entries: list[Entry] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys_of_name(name)]
+    entries: list[Entry] = [METHODS[key] if key in METHODS else FURTHER_METHODS[key] for key in keys_of_name(name)]
     if len(entries) == 1:
         return entries[0]
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
-    raise ValueError(unknown("method", name, (*METHODS, *FACTS_ONLY, *COMMON_NAMES), "`driftproof methods` lists all"))
+    raise ValueError(
+        unknown("method", name, (*METHODS, *FURTHER_METHODS, *COMMON_NAMES), "`driftproof methods` lists all")
+    )
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:
     """The keys of the methods that a key, a title or another name may mean; () for an unknown name."""
     key = name.casefold().replace("-", "_")  # RADAU-IIA5 is a key, though Radau IIA 5 may mean two methods
-    if key in METHODS or key in FACTS_ONLY:
+    if key in METHODS or key in FURTHER_METHODS:
         return (key,)
     return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))
 
@@ -143,7 +145,7 @@ def names_listed(text: str) -> list[str]:
 @cache
 def _keys_by_title() -> dict[str, list[str]]:
     found = defaultdict[str, list[str]](list)
-    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
+    for key, method in (*METHODS.items(), *FURTHER_METHODS.items()):
         for plain in {*map(plain_name, (key, method.title, *counted_names(method.title)))}:
             found[plain].append(key)
     return found

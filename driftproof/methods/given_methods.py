@@ -11,7 +11,7 @@ from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import (
     METHODS,
     Entry,
-    FactsOnly,
+    FurtherMethod,
     entry_named,
     keys_of_name,
     names_listed,
@@ -29,7 +29,7 @@ from driftproof.support.plain_text import shortened
 GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
 
 
-def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
+def method_of(given: str | Path | Method | Family | FurtherMethod) -> Method:
     """The method with this key or name, or in this .toml file; a method is returned as it is.
 
     Raises ValueError for anything else, including a family and a method of which there are only facts.
@@ -37,7 +37,7 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     return of_one_state(entry_of(given), str(given) if isinstance(given, str | Path) else "")
 
 
-def entry_of(given: str | Path | Method | Family | FactsOnly) -> Entry:
+def entry_of(given: str | Path | Method | Family | FurtherMethod) -> Entry:
     """Like `method_of`, but also for methods whose step takes more than one state and f. Raises ValueError."""
     subject = subject_of(given)
     if isinstance(subject, Family):
@@ -66,12 +66,12 @@ def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
     return given if isinstance(given, Sequence) else [given]
 
 
-def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
+def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | Family | FurtherMethod:
     """Like `method_of`, but also for families and for methods of which there are only facts.
 
     A family or its file with a value, such as "explicit_order_2 at 2/3", is a member of the family.
     """
-    if isinstance(given, Method | Family | FactsOnly):
+    if isinstance(given, Method | Family | FurtherMethod):
         return given
     if isinstance(given, KeyOfMethod):
         return given.method

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import Family, ParameterFunction, parameter_function, parse_function
@@ -65,7 +65,7 @@ _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "root
 Read = Callable[[str, str], Any]
 
 
-def read_method(path: str | Path) -> Method | Family | FactsOnly:
+def read_method(path: str | Path) -> Method | Family | FurtherMethod:
     """The method, or the family of methods, that the file defines.
 
     Raises MethodError with one line that names the file and the place in it.
@@ -95,7 +95,7 @@ _OF_PAPERS = {
 }
 
 
-def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
+def _method(table: TomlTable, name: str) -> Method | Family | FurtherMethod:
     """The method or family that a TOML table defines; `name` is its key if the table has none. Raises ValueError."""
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
@@ -310,7 +310,7 @@ def _additive(table: TomlTable, common: dict[str, Any], read: Read) -> Additive:
     )
 
 
-_Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
+_Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FurtherMethod]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
     "runge_kutta": (("parameter", "A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
     "splitting": (("parts",), _splitting),

@@ -38,8 +38,8 @@ def start_of(method: Multistep) -> Method:
     Its steps are as exact as the order needs, which is at most k for an explicit zero-stable method and k + 2 for an
     implicit one (dahlquist-1956). Raises MethodError if there is none.
 
-    >>> from driftproof.methods.catalogue import FACTS_ONLY
-    >>> [start_of(FACTS_ONLY[key]).key for key in ("adams_bashforth4", "bdf2", "bdf4")]
+    >>> from driftproof.methods.catalogue import FURTHER_METHODS
+    >>> [start_of(FURTHER_METHODS[key]).key for key in ("adams_bashforth4", "bdf2", "bdf4")]
     ['rk4', 'radau_iia2', 'radau_iia3']
     """
     if method.explicit:

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
-from driftproof.methods.catalogue import Entry, FactsOnly
+from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import subject_of
@@ -24,7 +24,7 @@ from driftproof.symbolic.facts import (
     Facts,
     OrderWithin,
     Reduction,
-    facts_only,
+    facts_of_further,
     hidden_by_rounding,
     order_within,
 )
@@ -151,14 +151,14 @@ def facts(
 ) -> MethodFacts: ...
 @overload
 def facts(
-    method: str | Path | Method | Family | FactsOnly,
+    method: str | Path | Method | Family | FurtherMethod,
     *,
     only: Sequence[str] | None = None,
     system: GivenSystem | None = None,
     order_tolerance: ExactNumber | None = None,
 ) -> FactSheet: ...
 def facts(
-    method: str | Path | Method | Family | FactsOnly,
+    method: str | Path | Method | Family | FurtherMethod,
     *,
     only: Sequence[str] | None = None,
     at: Algebraic | ExactNumber | None = None,
@@ -170,7 +170,7 @@ def facts(
 
     For a family, `at` chooses one method; without it the facts are functions of its parameter. With `system`, a matrix
     such as "0 1; -1 -1/10", they are about z' = Az. `only` names the facts that are printed; each fact is also an
-    attribute. The facts of families, of methods that have facts only, and on systems have names of their own; for their
+    attribute. The facts of families, of further methods, and on systems have names of their own; for their
     type give the object, such as `FAMILIES["sdirk_order_2"]`. Raises ValueError for arguments that do not fit together.
 
     >>> from driftproof import facts
@@ -193,10 +193,10 @@ def facts(
         of_family = FamilyFacts(subject)
         return FactSheet(lambda asked: facts_by_name(of_family, asked or FAMILY_FACTS, FAMILY_FACTS), names)
     tolerance = None if order_tolerance is None else exact_number(order_tolerance, "order tolerance")
-    if isinstance(subject, FactsOnly):
+    if isinstance(subject, FurtherMethod):
         if system:
             raise ValueError(f"{subject.key} is {subject.kind}; `system` does not work with it")
-        derive: _Derive = lambda asked: facts_only(subject, asked, tolerance)
+        derive: _Derive = lambda asked: facts_of_further(subject, asked, tolerance)
         return FactSheet(derive, names, claims_of=subject, tolerance=tolerance)
     if system is None:
         return MethodFacts(subject, names, tolerance, terms)

@@ -35,8 +35,8 @@ class CoupledOrders(NamedTuple):
 class AdditiveFacts(FactsOfFamily[Additive]):
     """The exact facts about an additive method, each derived when it is first asked for.
 
-    >>> from driftproof.methods.catalogue import FACTS_ONLY
-    >>> facts = AdditiveFacts(FACTS_ONLY["ars443"])
+    >>> from driftproof.methods.catalogue import FURTHER_METHODS
+    >>> facts = AdditiveFacts(FURTHER_METHODS["ars443"])
     >>> facts.order, facts.explicit_order, facts.implicit_order, facts.implicit_l_stable
     (3, 3, 3, True)
     """

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache, partial
 from typing import Any, NamedTuple
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, Entry
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
@@ -71,7 +71,7 @@ def stated_order(method: Entry) -> int:
 @cache
 def false_claims(method: Entry) -> list[UnreachedOrder]:
     """`unreached_orders` of a method of the user's own; those of the catalogue are tested to have none."""
-    return [] if method in (METHODS.get(method.key), FACTS_ONLY.get(method.key)) else unreached_orders(method)
+    return [] if method in (METHODS.get(method.key), FURTHER_METHODS.get(method.key)) else unreached_orders(method)
 
 
 def stated_orders(methods: Iterable[Entry]) -> dict[str, str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import Entry, FactsOnly
+from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
@@ -217,27 +217,29 @@ WHY_NONE = {
 }
 
 
-# For each kind of method that has facts only: the class that derives them, their names, and those given on request.
-_FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
+# For each kind of further method: the class that derives them, their names, and those given on request.
+_FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
     Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
     Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
     Additive: (AdditiveFacts, ADDITIVE_FACTS, ()),
 }
-OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FACTS_ONLY.values() for names in known for name in names))
+OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FURTHER_METHODS.values() for names in known for name in names))
 
 
 def derived(method: Entry) -> Any:
     """The facts of the class for methods of this kind, such as `Facts`."""
-    return Facts(method) if isinstance(method, Method) else _FACTS_ONLY[type(method)][0](method)
+    return Facts(method) if isinstance(method, Method) else _FURTHER_METHODS[type(method)][0](method)
 
 
-def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:
-    """The named facts of a method that has facts only, by default all but those on request.
+def facts_of_further(
+    method: FurtherMethod, names: Sequence[str] = (), tolerance: Fraction | None = None
+) -> dict[str, Any]:
+    """The named facts of a method of `FURTHER_METHODS`, by default all but those on request.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.
     """
-    _, known, on_request = _FACTS_ONLY[type(method)]
+    _, known, on_request = _FURTHER_METHODS[type(method)]
     facts = derived(method)
     if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
 
-from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FACTS_ONLY, METHODS, Entry
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FURTHER_METHODS, METHODS, Entry
 from driftproof.methods.common_field import in_one_field
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, total
@@ -90,7 +90,7 @@ def _compared(method: Any) -> list[tuple[Any, list[str], bool]]:
 
 def _of_its_kind(method: Entry) -> Iterator[Any]:
     """The methods of the catalogue of one family, and those of the embedded weights of pairs after them."""
-    known: Any = METHODS if isinstance(method, Method) else FACTS_ONLY
+    known: Any = METHODS if isinstance(method, Method) else FURTHER_METHODS
     kind = RungeKutta | Collocation if isinstance(method, RungeKutta | Collocation) else type(method)
     found = [each for each in known.values() if isinstance(each, kind)]
     yield from found

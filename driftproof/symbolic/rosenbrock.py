@@ -127,8 +127,8 @@ class OrdersWithin(NamedTuple):
 class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     """The exact facts about a Rosenbrock method, each derived when it is first asked for; R(z) is that with J = f'.
 
-    >>> from driftproof.methods.catalogue import FACTS_ONLY
-    >>> facts = RosenbrockFacts(FACTS_ONLY["ros3p"])
+    >>> from driftproof.methods.catalogue import FURTHER_METHODS
+    >>> facts = RosenbrockFacts(FURTHER_METHODS["ros3p"])
     >>> facts.order, facts.w_order, facts.a_stable, facts.l_stable
     (3, 1, True, False)
     """

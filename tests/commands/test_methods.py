@@ -5,7 +5,7 @@ import json
 import pytest
 
 import driftproof
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.expressions import parse_system
 from driftproof.methods.given_methods import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
@@ -22,7 +22,7 @@ def facts(answer):
 def test_list_names_every_method_and_every_family(answer):
     head, *rows = answer("methods").splitlines()
     assert head.split() == ["method", "family", "order", "title", "source"]
-    assert [row.split()[0] for row in rows] == [*METHODS, *FACTS_ONLY, *FAMILIES]
+    assert [row.split()[0] for row in rows] == [*METHODS, *FURTHER_METHODS, *FAMILIES]
     assert rows[0][: head.index("order") + 5].endswith("    1"), "numbers to the right"
     assert "Runge-Kutta in gamma" in next(row for row in rows if row.startswith("sdirk_order_2"))
     listed = json.loads(answer("methods", "--format", "json"))
@@ -65,7 +65,7 @@ def test_a_member_of_a_family_is_a_method_and_the_family_no_single_one(facts):
 
 
 def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(facts, answer, refusal):
-    assert facts("BDF2") == driftproof.facts(FACTS_ONLY["bdf2"]).data
+    assert facts("BDF2") == driftproof.facts(FURTHER_METHODS["bdf2"]).data
     text = answer("facts", "adams_bashforth2", "--only", "rho,sigma,order,error_constant,real_limit")
     assert text.splitlines() == [
         "rho             -zeta + zeta^2", "sigma           -1/2 + 3/2 zeta", "order           2",

@@ -65,7 +65,7 @@ def test_an_order_that_is_claimed_and_missed_is_status_1_where_it_is_shown(form,
 
 
 # Tables that have facts and are verified, and make no exact runs; and a family.
-FACTS_ONLY = {
+FURTHER_METHODS = {
     "rosenbrock": 'alpha = [[0, 0], [1, 0]]\ngamma = [["1/2", 0], [-1, "1/2"]]\nb = ["1/2", "1/2"]',
     "additive": "A_explicit = [[0, 0], [1, 0]]\nb_explicit = [1, 0]\nA_implicit = [[0, 0], [0, 1]]\nb_implicit=[0, 1]",
     "multistep": 'rho = [0, -1, 1]\nsigma = ["-1/2", "3/2", 0]',
@@ -82,9 +82,9 @@ REFUSED = [words for name, (words, _) in ASKED.items() if name != "facts"] + [
 ]
 
 
-@pytest.mark.parametrize("family", FACTS_ONLY)
+@pytest.mark.parametrize("family", FURTHER_METHODS)
 def test_where_a_table_makes_no_runs_a_line_says_what_works_and_nothing_is_written(family, folder, answer, refusal):
-    (folder / "mine.toml").write_text(f'family = "{family}"\n{FACTS_ONLY[family]}\n')
+    (folder / "mine.toml").write_text(f'family = "{family}"\n{FURTHER_METHODS[family]}\n')
     (folder / "run.csv").write_text("t,y0,y1\n0,1,0\n0.5,0.9,-0.5\n")
     (folder / "text.md").write_text("One step leads to 0.875.\n")
     (folder / "claims.toml").write_text(

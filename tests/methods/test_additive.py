@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.schemes import MethodError
 
 
@@ -24,11 +24,11 @@ from driftproof.methods.schemes import MethodError
 )
 def test_what_is_no_additive_method_is_refused(changes, words):
     with pytest.raises(MethodError, match=words):
-        replace(FACTS_ONLY["ars111"], **changes)
+        replace(FURTHER_METHODS["ars111"], **changes)
 
 
 def test_residuals_and_parts_are_named():
-    method = FACTS_ONLY["ars111"]
+    method = FURTHER_METHODS["ars111"]
     assert isinstance(method, Additive)
     assert replace(method, b_implicit=(1, 1)).inconsistencies() == {"sum(b_implicit) - 1": 1}
     assert [method.table(x).key for x in ("explicit", "implicit")] == [

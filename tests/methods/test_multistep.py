@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof import METHODS, facts, read_method, value
-from driftproof.methods.catalogue import FACTS_ONLY, entry_named
+from driftproof.methods.catalogue import FURTHER_METHODS, entry_named
 from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import square_root
@@ -40,9 +40,9 @@ def test_what_is_no_multistep_method_is_refused(rho, sigma, words):
 def test_a_file_of_your_own_is_read_and_refused_in_one_line(write, refusal):
     mine = read_method(write(BDF2))
     assert isinstance(mine, Multistep)
-    assert (mine.rho, mine.sigma) == (FACTS_ONLY["bdf2"].rho, FACTS_ONLY["bdf2"].sigma)
+    assert (mine.rho, mine.sigma) == (FURTHER_METHODS["bdf2"].rho, FURTHER_METHODS["bdf2"].sigma)
     assert facts(mine).data["order"] == 2
-    assert [FACTS_ONLY[key].explicit for key in ("adams_bashforth2", "bdf2")] == [True, False]
+    assert [FURTHER_METHODS[key].explicit for key in ("adams_bashforth2", "bdf2")] == [True, False]
     for old, new, words in exactly(4, [
         ("[0, 0, 1]", "[0, 1]", "sigma 2; both need k + 1 entries"),
         ('"3/2"', '"sqrt(3)"', "a rational number is needed"),
@@ -61,7 +61,7 @@ def test_names_lead_to_multistep_methods_and_say_which_are_meant():
     for name, meant in exactly(3, {"leapfrog": "two_step_leapfrog", "AM2": "trapezoid", "BDF": "bdf6"}.items()):
         with pytest.raises(ValueError, match=rf"may mean .*{meant} \("):
             entry_named(name)
-    assert not set(FACTS_ONLY) & set(METHODS)
+    assert not set(FURTHER_METHODS) & set(METHODS)
     assert [entry_named(name).key for name in ("BDF1", "AB1")] == ["backward_euler", "forward_euler"]
     with pytest.raises(ValueError, match="did you mean bdf6"):
         entry_named("bdf66")
@@ -69,7 +69,7 @@ def test_names_lead_to_multistep_methods_and_say_which_are_meant():
 
 def test_who_needs_a_step_from_one_state_says_so():
     words = "bdf2 is a linear multistep method: .* they need a method whose step takes one state and one f"
-    assert subject_of("bdf2") is FACTS_ONLY["bdf2"]
+    assert subject_of("bdf2") is FURTHER_METHODS["bdf2"]
     with pytest.raises(ValueError, match=words):
         method_of("bdf2")
 

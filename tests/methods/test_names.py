@@ -3,7 +3,7 @@
 import pytest
 
 from driftproof import FAMILIES, METHODS
-from driftproof.methods.catalogue import FACTS_ONLY, entry_named, names_listed
+from driftproof.methods.catalogue import FURTHER_METHODS, entry_named, names_listed
 from driftproof.methods.given_methods import methods_of, subject_of
 from driftproof.methods.names import EASILY_CONFUSED, also_known_as, keys_called, plain_name
 from tests.looping import some
@@ -58,7 +58,7 @@ def test_every_title_and_every_key_leads_to_its_method():
 
 
 def test_titles_may_stand_in_a_list_with_their_commas():
-    for method in some((*METHODS.values(), *FACTS_ONLY.values())):
+    for method in some((*METHODS.values(), *FURTHER_METHODS.values())):
         assert names_listed(f"rk4,{method.title}, Heun,pefrl") == ["rk4", method.title, "Heun", "pefrl"]
     assert names_listed("PEFRL, rk4") == ["PEFRL", "rk4"]
     assert names_listed("rk4,,a b.toml") == ["rk4", "", "a b.toml"]
@@ -71,10 +71,10 @@ def test_the_title_of_a_family_leads_to_it(key):
 
 
 def test_names_are_unique_and_of_methods_that_exist():
-    for key in some((*METHODS, *FACTS_ONLY)):
+    for key in some((*METHODS, *FURTHER_METHODS)):
         assert all(keys_called(name) == (key,) for name in also_known_as(key))
-        assert all(other in (*METHODS, *FACTS_ONLY) and other != key for other in EASILY_CONFUSED.get(key, ()))
-    titles = [plain_name(method.title) for method in (*METHODS.values(), *FACTS_ONLY.values())]
+        assert all(other in (*METHODS, *FURTHER_METHODS) and other != key for other in EASILY_CONFUSED.get(key, ()))
+    titles = [plain_name(method.title) for method in (*METHODS.values(), *FURTHER_METHODS.values())]
     assert len(set(titles)) == len(titles)
 
 

@@ -5,7 +5,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof import facts, read_method
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import MethodError
 from tests.looping import exactly
@@ -22,7 +22,7 @@ r = "sqrt(2)"
 
 
 def test_a_file_is_read_and_refused_in_one_line(write, refusal):
-    mine, known = read_method(write(ROS2)), FACTS_ONLY["ros2"]
+    mine, known = read_method(write(ROS2)), FURTHER_METHODS["ros2"]
     assert isinstance(mine, Rosenbrock)
     assert (mine.alpha, mine.gamma, mine.b, mine.b_embedded) == (known.alpha, known.gamma, known.b, known.b_embedded)
     assert (known.linear_twin().key, known.linear_twin().title) == (known.key, known.title)

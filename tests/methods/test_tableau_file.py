@@ -11,7 +11,7 @@ import pytest
 
 from driftproof.methods import tableau_file
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
@@ -236,7 +236,7 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
 
 def test_additive_method_is_read_from_its_two_tables(write: Write) -> None:
     tables = "A_explicit = [[0, 0], [1, 0]]\nA_implicit = [[0, 0], [0, 1]]\nb_explicit = [1, 0]\nb_implicit = [0, 1]"
-    read, known = read_method(write(f'family = "additive"\n{tables}')), FACTS_ONLY["ars111"]
+    read, known = read_method(write(f'family = "additive"\n{tables}')), FURTHER_METHODS["ars111"]
     assert isinstance(read, Additive)
     assert (
         replace(read, **{name: getattr(known, name) for name in ("key", "title", "claimed_order", "source")}) == known

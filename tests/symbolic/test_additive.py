@@ -9,11 +9,11 @@ import pytest
 
 from driftproof import METHODS, Facts, facts, read_method
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY, entry_named
+from driftproof.methods.catalogue import FURTHER_METHODS, entry_named
 from driftproof.symbolic.additive import AdditiveFacts
 from tests.looping import exactly, some
 
-EVERY = {key: method for key, method in FACTS_ONLY.items() if isinstance(method, Additive)}
+EVERY = {key: method for key, method in FURTHER_METHODS.items() if isinstance(method, Additive)}
 TINY = Q(1, 10**20)  # above the rounding of fractions of 13 digits in each part, squared or not, with room
 
 

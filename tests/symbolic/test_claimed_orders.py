@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders
@@ -20,7 +20,7 @@ def said(method, tolerance=None):
 
 # Yoshida's last digits are wrong (docs/differences.md), but the table says that it is rounded.
 @pytest.mark.slow(keep=1)
-@pytest.mark.parametrize("catalogue", [METHODS, FACTS_ONLY], ids=["of one state", "of facts"])
+@pytest.mark.parametrize("catalogue", [METHODS, FURTHER_METHODS], ids=["of one state", "of facts"])
 def test_every_order_of_the_catalogue_is_reached(catalogue):
     assert [said(method) for _, method in some(catalogue.items(), 20)] == [[]] * len(catalogue)
 
@@ -37,10 +37,10 @@ WRONG = {
     ),
     "nystrom": (replace(METHODS["nystrom4"], claimed_order=5), ["claimed order 5, has 4"]),
     "collocation": (replace(METHODS["gauss9"], claimed_order=19), ["claimed order 19, has 18"]),
-    "multistep": (replace(FACTS_ONLY["bdf3"], sigma=(0, 0, 0, Q(6, 5))), ["claimed order 3, has 0"]),
-    "rosenbrock": (replace(FACTS_ONLY["ros2"], claimed_order=3), ["claimed order 3, has 2"]),
+    "multistep": (replace(FURTHER_METHODS["bdf3"], sigma=(0, 0, 0, Q(6, 5))), ["claimed order 3, has 0"]),
+    "rosenbrock": (replace(FURTHER_METHODS["ros2"], claimed_order=3), ["claimed order 3, has 2"]),
     "additive": (
-        replace(FACTS_ONLY["ars443"], b_explicit=(*FACTS_ONLY["ars443"].b_explicit[:-1], OFF)),
+        replace(FURTHER_METHODS["ars443"], b_explicit=(*FURTHER_METHODS["ars443"].b_explicit[:-1], OFF)),
         ["claimed order 3, has 0"],
     ),
 }  # fmt: skip
@@ -52,7 +52,7 @@ def test_an_order_that_is_claimed_and_missed_is_named(family):
     assert said(method) == lines
 
 
-PAIR, BDF2 = METHODS["bogacki_shampine32"], FACTS_ONLY["bdf2"]
+PAIR, BDF2 = METHODS["bogacki_shampine32"], FURTHER_METHODS["bdf2"]
 NEWEST_FIRST = "rho and sigma may stand newest first; they go from the oldest value to the new one"
 TURNED = {
     "claimed order 3, has 2; b and b_embedded may be exchanged": replace(PAIR, b=PAIR.b_embedded, b_embedded=PAIR.b),
@@ -172,7 +172,7 @@ def test_a_multistep_method_that_is_not_zero_stable_has_no_order_to_claim():
     assert said(table) == said(replace(table, rho=(bdf3[0] - Q(1, 10**12), *bdf3[1:]))) == []
 
 
-AB3, ROS2, ARS = FACTS_ONLY["adams_bashforth3"], FACTS_ONLY["ros2"], FACTS_ONLY["ars443"]
+AB3, ROS2, ARS = FURTHER_METHODS["adams_bashforth3"], FURTHER_METHODS["ros2"], FURTHER_METHODS["ars443"]
 # For each family a method with one entry changed, and what restores it.
 ONE_WRONG = {
     "multistep": (replace(AB3, sigma=(*AB3.sigma[:2], Q(25, 12), 0)), f"sigma[2] = {AB3.sigma[2]} in place of 25/12"),

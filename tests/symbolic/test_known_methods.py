@@ -7,14 +7,14 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import NumberField
 from driftproof.methods.schemes import SUBSTEPS, Collocation, RungeKutta
 from driftproof.symbolic.known_methods import known_as
 from tests.looping import some
 
-ENTRIES = [*METHODS.values(), *FACTS_ONLY.values()]
+ENTRIES = [*METHODS.values(), *FURTHER_METHODS.values()]
 TWINS = {"ssprk22": "heun2"}
 
 
@@ -25,8 +25,11 @@ def test_every_entry_is_itself_or_the_first_of_its_coefficients():
 
 
 OFF = Q(1, 50)
-RK4, BS32, BDF2 = METHODS["rk4"], METHODS["bogacki_shampine32"], FACTS_ONLY["bdf2"]
-AB4, ROS2, ARS222, GAUSS2 = (*(FACTS_ONLY[key] for key in ("adams_bashforth4", "ros2", "ars222")), METHODS["gauss2"])
+RK4, BS32, BDF2 = METHODS["rk4"], METHODS["bogacki_shampine32"], FURTHER_METHODS["bdf2"]
+AB4, ROS2, ARS222, GAUSS2 = (
+    *(FURTHER_METHODS[key] for key in ("adams_bashforth4", "ros2", "ars222")),
+    METHODS["gauss2"],
+)
 VERLET, RUTH, NYSTROM = METHODS["velocity_verlet"], METHODS["ruth3"], METHODS["nystrom4"]
 S3 = NumberField("s", (-3, 0, 1), Q(1), Q(2)).generator
 RALSTON3 = METHODS["ralston3"]

@@ -9,13 +9,13 @@ import pytest
 from flint import fmpq
 
 from driftproof import METHODS, Facts, facts, significant
-from driftproof.methods.catalogue import FACTS_ONLY, entry_named
+from driftproof.methods.catalogue import FURTHER_METHODS, entry_named
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
 from tests.looping import exactly, some
 
-EVERY = {key: method for key, method in FACTS_ONLY.items() if isinstance(method, Rosenbrock)}
+EVERY = {key: method for key, method in FURTHER_METHODS.items() if isinstance(method, Rosenbrock)}
 # Order, order with any J, embedded order: the claims, W orders from the conditions of order 2 written out below.
 ORDERS = {
     "ros2": (2, 2, 1),
@@ -140,9 +140,9 @@ def test_without_gamma_it_is_the_explicit_method_and_with_gamma_alone_another():
 
 
 def test_digits_alone_keep_decimal_tables_from_their_order():
-    found = {key: RosenbrockFacts(FACTS_ONLY[key]).order_but_for_rounding for key in ("rodas4", "grk4t", "ros3p")}
+    found = {key: RosenbrockFacts(FURTHER_METHODS[key]).order_but_for_rounding for key in ("rodas4", "grk4t", "ros3p")}
     assert (found["rodas4"], found["grk4t"].order, found["ros3p"]) == ((4, "7.78e-16", "4.31e-3"), 4, None)
-    method = FACTS_ONLY["grk4t"]
+    method = FURTHER_METHODS["grk4t"]
     wrong = replace(method, b=(method.b[0] + Q(1, 100), *method.b[1:]))
     assert RosenbrockFacts(wrong).order_but_for_rounding is None
 

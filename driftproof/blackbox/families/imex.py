@@ -19,7 +19,7 @@ from driftproof.blackbox.probes.stage_solutions import SOLVED
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.additive import AdditiveFacts
@@ -179,7 +179,7 @@ def _judged_estimate(subject: ForeignStepper, method: Additive | None) -> StepFi
 
 
 def _methods() -> Iterator[Additive]:
-    return (m for m in FACTS_ONLY.values() if isinstance(m, Additive))
+    return (m for m in FURTHER_METHODS.values() if isinstance(m, Additive))
 
 
 def _used(method: Additive) -> list[int]:

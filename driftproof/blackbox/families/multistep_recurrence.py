@@ -14,7 +14,7 @@ from driftproof.blackbox.families.multistep_runs import MarkedRuns, SteadyRun
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text, simple_rational
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.linear.multistep import MultistepFacts
@@ -214,7 +214,7 @@ class RecurrenceReading:
 
 def candidates(derivative: int) -> Iterator[Multistep]:
     """The multistep methods of the catalogue for y' = F (derivative 1) or for y'' = F (derivative 2)."""
-    return (m for m in FACTS_ONLY.values() if isinstance(m, Multistep) and m.derivative == derivative)
+    return (m for m in FURTHER_METHODS.values() if isinstance(m, Multistep) and m.derivative == derivative)
 
 
 def tolerance_of(method: Multistep) -> float:

@@ -25,7 +25,7 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, IMEX, MAGNETI
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
@@ -44,7 +44,7 @@ _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read
 
 
 def read_family(
-    subject: ForeignStepper, asked: Method | FactsOnly | Boris | None = None, *, runs_only: bool = False
+    subject: ForeignStepper, asked: Method | FurtherMethod | Boris | None = None, *, runs_only: bool = False
 ) -> FamilyReading | None:
     """Read the stepper as one of the family of `asked`, or of its calls; None if it is an ordinary one-step method.
 
@@ -102,7 +102,7 @@ def turns(subject: ForeignStepper) -> bool:
     return subject.convention.kind in _TURNING
 
 
-def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) -> Report:
+def verify_family(runner: IsolatedRunner, method: Method | FurtherMethod | Boris) -> Report:
     """The report of `verify` for a method of a family. Raises ValueError if the stepper cannot be imported."""
     outcome = runner.outcome_of(partial(read_family, asked=method))
     if outcome.kind == "bad_input":
@@ -136,7 +136,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     return Report(name, verdict, passed, sections(*parts), data)
 
 
-def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -> Report:
+def _not_read(name: str, outcome: Outcome, method: Method | FurtherMethod | Boris) -> Report:
     """The report of `verify` on a stepper that could not be read, and why: refuted, no answer, or undecided."""
     if outcome.kind not in (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE):
         refuted = f"is not {method.key}" if outcome.kind == NoRecurrence.kind else NO_ANSWER

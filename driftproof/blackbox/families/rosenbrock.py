@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.coefficients import coefficient_text, exact_show
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.number_field import Algebraic, Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
@@ -307,7 +307,7 @@ class RosenbrockIdentity(WithEstimate):
 def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
     """Identify a step with a Jacobian. Raises NotReadable, UnsupportedCall, or the stepper's Misbehaviour."""
     reading = read_rosenbrock_step(subject)
-    known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
+    known = [*(m for m in FURTHER_METHODS.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     known = [root for each in known for root in _roots(each)]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
     near = "" if found else next((f"{m.key} except for {x}" for m in known for x in _near(reading, m)), "")
@@ -317,7 +317,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     )
     walked = None
     root = ""
-    if found and found not in FACTS_ONLY.values() and found != asked:
+    if found and found not in FURTHER_METHODS.values() and found != asked:
         root = f" with gamma[0][0] = {exact_shown(found.gamma[0][0])}, the other root of its equation"
     if method := found if root else asked or found:
         walked = there_and_back(walks.RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))

@@ -17,7 +17,7 @@ from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method
@@ -35,7 +35,7 @@ _REMARK, _LOST = "; remark: {}", "not measured"
 
 def identify_solver(
     solve: Callable[..., Any] | str,
-    method: str | Path | Method | FactsOnly | None = None,
+    method: str | Path | Method | FurtherMethod | None = None,
     *,
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
@@ -92,7 +92,7 @@ def identify_solver(
 def _held(
     report: Report,
     steps: SolverSteps | SolverMemory | None,
-    method: Method | FactsOnly,
+    method: Method | FurtherMethod,
     faults: Sequence[str],
     remarks: Sequence[str],
 ) -> Report:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftproof.methods.catalogue import Entry, FactsOnly
+from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
@@ -102,7 +102,7 @@ def steps_at_known_times(problem: Problem, steps: int) -> list[tuple[Fraction, i
 
 def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
-    if isinstance(method, FactsOnly):
+    if isinstance(method, FurtherMethod):
         return "multistep and Rosenbrock methods are only timed for one trajectory"
     start = np.array(float_start(problem))[:, None]
     run: EnsembleRun

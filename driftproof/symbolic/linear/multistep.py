@@ -87,8 +87,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     Facts about y' = λy with z = hλ are None for methods for y'' = F(y). If rho and sigma have a `common_factor`, then
     zero-stability is that of rho as written, but stability at z is that of the method without the factor.
 
-    >>> from driftproof.methods.catalogue import FACTS_ONLY
-    >>> facts = MultistepFacts(FACTS_ONLY["bdf2"])
+    >>> from driftproof.methods.catalogue import FURTHER_METHODS
+    >>> facts = MultistepFacts(FURTHER_METHODS["bdf2"])
     >>> facts.order, facts.a_stable, facts.error_constant
     (2, True, Fraction(-1, 3))
     """

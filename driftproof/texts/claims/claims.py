@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
@@ -161,7 +161,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
         methods = entry.get("method", [])
         methods = methods if isinstance(methods, list) else [methods]
         if len(methods) not in {0, min(1, len(values)), len(values)} or not all(
-            str(x) in METHODS or str(x) in FACTS_ONLY for x in methods
+            str(x) in METHODS or str(x) in FURTHER_METHODS for x in methods
         ):
             raise ValueError(
                 "method is the key of a method that the text names where the value stands, or one for each"

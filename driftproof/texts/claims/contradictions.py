@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import product
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
 from driftproof.texts.values.published import published_values
 
@@ -246,7 +246,7 @@ def without_starters(text: str) -> str:
     """The lower-case text, blanks in place of the methods of one step that it says start a multistep method."""
 
     def blank(name: re.Match[str]) -> str:
-        return name[0] if _names()[_flat(name[0])] & {*FACTS_ONLY} else " " * len(name[0])
+        return name[0] if _names()[_flat(name[0])] & {*FURTHER_METHODS} else " " * len(name[0])
 
     def without(clause: re.Match[str]) -> str:
         end = found.end() if (found := _OF_OTHERS.search(clause[0])) else len(clause[0])
@@ -289,7 +289,7 @@ def _names() -> dict[str, set[str]]:
     for kind, name in product(("velocity", "position"), ("verlet", "störmer verlet", "stoermer verlet")):
         forms = (f" ({kind} form)", f" ({kind} version)", f" in {kind} form", f" ({kind})")
         found |= {name + form: {f"{kind}_verlet"} for form in forms}
-    for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
+    for key, method in (*METHODS.items(), *FURTHER_METHODS.items()):
         for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
             name = _flat(name.lower())
             for form in (

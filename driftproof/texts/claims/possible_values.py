@@ -13,7 +13,7 @@ from flint import arb, ctx
 
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.steps import with_effort
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named, sentence_around
@@ -111,7 +111,7 @@ class PossibleValues:
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self.lower)
-        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
+        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FURTHER_METHODS) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
             if "interval" in self.lower:

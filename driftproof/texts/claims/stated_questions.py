@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, compress, pairwise, product
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
@@ -90,7 +90,9 @@ def _questions(
     after |= {1} if with_slopes else set()
     after |= {n for n in map(int, rows) if n}
     times = sorted({*times, *(n * h for n in after for h in sizes)})
-    multistep = {key for key, method in FACTS_ONLY.items() if isinstance(method, Multistep) and method.derivative == 1}
+    multistep = {
+        key for key, method in FURTHER_METHODS.items() if isinstance(method, Multistep) and method.derivative == 1
+    }
     known = multistep | {*METHODS}
     named_anywhere = methods_named(text.lower()) & known  # Verlet's method is that which has its whole name elsewhere
     spoken = methods_named(part.lower()) & named_anywhere or named_anywhere

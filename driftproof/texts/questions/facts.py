@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, Exact
@@ -22,7 +22,7 @@ from driftproof.symbolic.facts import (
     OTHER_FACTS,
     WHY_NONE,
     Facts,
-    facts_only,
+    facts_of_further,
     hidden_by_rounding,
 )
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
@@ -52,8 +52,8 @@ def fact(context: QueryContext) -> Answer:
     with context.refused():
         if isinstance(subject, Family):
             known = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)
-        elif isinstance(subject, FactsOnly):
-            known = facts_only(subject, (name,))
+        elif isinstance(subject, FurtherMethod):
+            known = facts_of_further(subject, (name,))
         else:
             facts = Facts(subject)
             known = facts_by_name(facts, (name,), (*FACTS, *ON_REQUEST)) | hidden_by_rounding(facts, (name,))

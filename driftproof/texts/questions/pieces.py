@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 from unicodedata import name, normalize
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
 from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
@@ -59,7 +59,7 @@ def _token() -> re.Pattern[str]:
     """A token of a question: also the prime of y', names of files, names in quotes, and titles with signs."""
     from driftproof.methods.families import FAMILIES
 
-    methods = {**METHODS, **FACTS_ONLY, **FAMILIES}
+    methods = {**METHODS, **FURTHER_METHODS, **FAMILIES}
     names = {without_accents(name) for key in methods for name in (methods[key].title, *also_known_as(key))}
     longest_first = sorted((re.escape(name) for name in names if re.search(r"[^\w ]", name)), key=len, reverse=True)
     names_with_signs = f"(?i:{'|'.join(longest_first)})(?!\\w)"

@@ -14,7 +14,7 @@ from driftproof.texts.questions.parser import Query, parse_question
 
 if TYPE_CHECKING:
     from driftproof.enclosure.multistep_runs import StartedMultistep
-    from driftproof.methods.catalogue import FactsOnly
+    from driftproof.methods.catalogue import FurtherMethod
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
 
@@ -70,7 +70,7 @@ class QueryContext:
         """The method that the query names. Raises QuestionError for a family without a value of its parameter."""
         return self._of_one_step(self.subject())
 
-    def _of_one_step(self, subject: Method | Family | FactsOnly) -> Method:
+    def _of_one_step(self, subject: Method | Family | FurtherMethod) -> Method:
         from driftproof.methods.families import Family
         from driftproof.methods.given_methods import method_of
 
@@ -99,7 +99,7 @@ class QueryContext:
         with self.refused(started):
             return StartedMultistep(found, None if started.text == "exact" else method_of(started.text))
 
-    def subject(self) -> Method | Family | FactsOnly:
+    def subject(self) -> Method | Family | FurtherMethod:
         """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
         from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import Family

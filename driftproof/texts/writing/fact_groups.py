@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS, Entry
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, Entry
 from driftproof.methods.names import EASILY_CONFUSED, also_known_as
 from driftproof.symbolic.known_methods import known_as
 from driftproof.texts.writing.facts import fact_text, facts_text
@@ -114,7 +114,7 @@ def _called(named: Mapping[str, Any], method: Any) -> dict[str, Any]:
 
     Of a table that is none, with the method that it is, or is but for a few coefficients.
     """
-    if method not in (METHODS.get(fact_text(method)), FACTS_ONLY.get(fact_text(method))):
+    if method not in (METHODS.get(fact_text(method)), FURTHER_METHODS.get(fact_text(method))):
         known = known_as(method) if isinstance(method, Entry) else None
         return {**named, **({"in the catalogue": known.words} if known and (known.methods or known.near) else {})}
     names, others = also_known_as(method.key), EASILY_CONFUSED.get(method.key, ())

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, NumberField, as_fraction
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
@@ -149,7 +149,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
 }
 # Types without parts that str() does not write, and their writers.
 _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
-    (RungeKutta | Splitting | Nystrom | Collocation | Family | FactsOnly, lambda x: x.key),
+    (RungeKutta | Splitting | Nystrom | Collocation | Family | FurtherMethod, lambda x: x.key),
     (RationalFunction, RationalFunction.data),
     (linear.ExactFunction, lambda x: x.f.data()),
     (linear.TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 
 
 def floats(rows):
@@ -16,7 +16,7 @@ def rosenbrock(key, *, time_slope="function", reuse=False, stored=False, at_end=
 
     With the weights eᵢ of an `estimate` it returns h Σ eᵢ kᵢ as well.
     """
-    method = FACTS_ONLY[key]
+    method = FURTHER_METHODS[key]
     alpha, gamma, b = floats(method.alpha), floats(method.gamma), floats([method.b])[0]
     for name, (place, value) in changed.items():
         {"alpha": alpha, "gamma": gamma, "b": b}[name][place] = value

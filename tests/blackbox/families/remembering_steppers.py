@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.handwritten_steppers import rk4
 from tests.blackbox.implicit_steppers import newton
 
@@ -23,7 +23,7 @@ class Remembering:
 
     def __init__(self, key, begin, *, sigma=None, most=50):
         """Nothing remembered yet."""
-        method = FACTS_ONLY[key]
+        method = FURTHER_METHODS[key]
         self.rho = [float(x / method.rho[-1]) for x in method.rho]
         self.sigma = [float(x / method.rho[-1]) for x in method.sigma] if sigma is None else sigma
         self.begin, self.most = begin, most

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.families.linearised_steppers import floats
 from tests.blackbox.implicit_steppers import newton
 
@@ -14,7 +14,7 @@ def imex(key, *, implicit_times=None, most=50, other=None, **changed):
 
     With the weights of an `other` result, the same in both parts, it returns that as well.
     """
-    method = FACTS_ONLY[key]
+    method = FURTHER_METHODS[key]
     table = {name: floats(getattr(method, name)) for name in ("a_explicit", "a_implicit")}
     table |= {name: floats([getattr(method, name)])[0] for name in ("b_explicit", "b_implicit")}
     c = table["a_explicit"].sum(axis=1)

@@ -12,7 +12,7 @@ from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, d
 from driftproof.blackbox.judging.nonlinear_problems import driven
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, rosenbrock
 from tests.blackbox.families.split_steppers import imex
 
@@ -86,7 +86,10 @@ def test_derivatives_are_those_of_the_problem_to_the_last_bit():
 
 
 def test_stages_that_do_not_converge_are_none_to_be_held_to():
-    problem, walker = WithDamping(**vars(driven(1, timed=True))), ImexWalker(None, Specification(FACTS_ONLY["ars111"]))
+    problem, walker = (
+        WithDamping(**vars(driven(1, timed=True))),
+        ImexWalker(None, Specification(FURTHER_METHODS["ars111"])),
+    )
     with ctx.workprec(192):
         assert walker.own_step(problem, 0.25, [0.5], 0.125)[0].rad() < 1e-30
     with pytest.raises(ArithmeticError, match="the stages of ars111 do not converge"):
@@ -105,9 +108,9 @@ def test_how_well_stages_are_solved_is_told():
 def test_what_a_step_elsewhere_may_be_off_by_grows_with_the_numbers_and_what_a_solver_leaves():
     """4 (calls + 2) u of twice the size; and four errors of df/dt in h^2, or what is left of the equations."""
     subject, u = opened(rosenbrock("ros2")), 2.0**-53
-    linear = walks.RosenbrockWalker(subject, Specification(FACTS_ONLY["ros2"]), slack=2.0**-26)
+    linear = walks.RosenbrockWalker(subject, Specification(FURTHER_METHODS["ros2"]), slack=2.0**-26)
     assert linear.allowed(3.0, 5, 0.5) == pytest.approx(4 * (2 * 6 + 2) * u * 6 + 4 * 2.0**-26 * 0.25 * 3, rel=1e-12)
-    split = ImexWalker(subject, Specification(FACTS_ONLY["ars222"]), solved=2.0**-40)
+    split = ImexWalker(subject, Specification(FURTHER_METHODS["ars222"]), solved=2.0**-40)
     assert split.allowed(3.0, 5, 0.5) == pytest.approx(4 * (2 * 3 + 2) * u * 6 + 2.0**-40 * 3, rel=1e-12)
 
 

@@ -12,10 +12,10 @@ from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.families.split_steppers import euler_pair, imex, split_in_turn, unsolved
 
-KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Additive)]
+KEYS = [key for key, method in FURTHER_METHODS.items() if isinstance(method, Additive)]
 
 
 LATER = ("ars121", "ars122", "ars233", "ars232", "ars343", "ark324", *KEYS[-2:])
@@ -109,7 +109,7 @@ def test_one_that_differs_in_two_entries_is_near_and_in_three_it_is_not():
 @pytest.mark.slow
 def test_an_entry_and_a_time_are_held_to_what_rounding_and_its_solver_leave():
     """Of size 1, 1.7 as the entry, and 1 + 2.4 as the row of a time."""
-    method, right = FACTS_ONLY["ars222"], read_imex(opened(imex("ars222")))
+    method, right = FURTHER_METHODS["ars222"], read_imex(opened(imex("ars222")))
     read, off = right.reading, right.reading.rounding.of
     assert read.rounding.besides == 4 * read.stage_error
     for k, passes in ((0.96, True), (1.04, False)):
@@ -125,14 +125,14 @@ def test_an_entry_and_a_time_are_held_to_what_rounding_and_its_solver_leave():
 @pytest.mark.slow
 def test_a_stage_counts_that_one_table_weighs_and_none_that_neither_does():
     """Of four stages, the second weighed in f alone, the third in g alone, the last nowhere."""
-    a, none, half = FACTS_ONLY["ars343"].a_explicit, (0, 0, 0, 0), Fraction(1, 2)
+    a, none, half = FURTHER_METHODS["ars343"].a_explicit, (0, 0, 0, 0), Fraction(1, 2)
     tables = {
         "a_explicit": (a[0], a[1], (sum(a[2]), 0, 0, 0), a[3]),
         "a_implicit": (none, none, (0, 0, sum(a[2]), 0), none),
         "b_explicit": (half, half, 0, 0),
         "b_implicit": (half, 0, half, 0),
     }
-    own = replace(FACTS_ONLY["ars343"], key="mine", claimed_order=1, **tables)
+    own = replace(FURTHER_METHODS["ars343"], key="mine", claimed_order=1, **tables)
     step = imex("ars343", **{name: (slice(None), np.array(part, dtype=float)) for name, part in tables.items()})
     report = verify(step, own, isolate=False)
     assert report.verdict == "is mine", report.text()

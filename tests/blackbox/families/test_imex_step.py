@@ -7,14 +7,14 @@ from driftproof.blackbox.families.imex_step import read_imex_step
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.families.linearised_steppers import floats
 from tests.blackbox.families.split_steppers import imex, unsolved
 from tests.looping import some
 
 
 def test_every_entry_of_both_tables_is_read():
-    method = FACTS_ONLY["ark324"]
+    method = FURTHER_METHODS["ark324"]
     reading = read_imex_step(opened(imex("ark324")))
     tables = (method.a_explicit, method.a_implicit, [method.b_explicit], [method.b_implicit])
     for seen, exact in some(zip((*reading.a, reading.b[:1], reading.b[1:]), tables, strict=True)):

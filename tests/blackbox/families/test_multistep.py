@@ -16,14 +16,14 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.multistep import Multistep
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Corrected, Displaced, Remembering, Stormer
 from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.blackbox.transcripts import to_twelve_digits
 
-EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
+EXPLICIT = [key for key, m in FURTHER_METHODS.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
 IMPLICIT = ["adams_moulton4", "bdf2", "bdf6"]
 
 AB2, AB3, AB4, AM3 = "adams_bashforth2", "adams_bashforth3", "adams_bashforth4", "adams_moulton3"
@@ -55,7 +55,7 @@ NAMED = [
 @pytest.mark.parametrize("key", [*EXPLICIT, *IMPLICIT])
 def test_a_method_that_is_started_well_enough_passes_as_itself(key):
     report = verify(Remembering(key, rk4).step, key, isolate=False)
-    assert report.passed is (FACTS_ONLY[key].claimed_order <= 5), report.text()
+    assert report.passed is (FURTHER_METHODS[key].claimed_order <= 5), report.text()
     assert report.passed or "its start is too inaccurate: first errors are like h^5" in report.verdict
 
 

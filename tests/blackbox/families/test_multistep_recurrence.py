@@ -9,7 +9,7 @@ from driftproof.blackbox.families.multistep_recurrence import FORWARD_EULER, NoR
 from driftproof.blackbox.families.multistep_runs import MarkedRuns
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.families.bounds import U, parted
@@ -22,7 +22,7 @@ from tests.looping import some
     ("key", "error"), [("adams_bashforth5", 4.6995e-8), ("adams_moulton3", 3.7924e-12), ("bdf4", 4.7650e-11)]
 )
 def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
-    sigma = [float(x / FACTS_ONLY[key].rho[-1]) for x in FACTS_ONLY[key].sigma]
+    sigma = [float(x / FURTHER_METHODS[key].rho[-1]) for x in FURTHER_METHODS[key].sigma]
     sigma[0] += 1 / 64
     reading = read_recurrence(MarkedRuns.of(opened(Remembering(key, rk4, sigma=sigma).step)))
     assert reading.method is None
@@ -36,7 +36,7 @@ def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
 def test_the_floats_of_a_method_are_its_own_fractions():
     assert MultistepFacts(FORWARD_EULER).order == FORWARD_EULER.claimed_order
     for key in some(["adams_bashforth6", "bdf6", "cowell4"]):
-        method = FACTS_ONLY[key]
+        method = FURTHER_METHODS[key]
         exact = Recurrence.of(method, BINARY64).exact
         assert MultistepFacts(exact).order == method.claimed_order
         assert Recurrence.of(method, BINARY64).differences(method) == ()
@@ -115,7 +115,7 @@ def test_a_corrector_whose_slope_is_taken_a_step_too_early_is_said_to_be_that():
 
 
 def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_read_to():
-    method = FACTS_ONLY["adams_bashforth2"]
+    method = FURTHER_METHODS["adams_bashforth2"]
     exact, off = Recurrence.of(method, BINARY64), "sigma[0]: -0.4999999999999995 instead of -1/2"
     for sigma, found in (
         ((-0.5 + 4 * U, 1.5 + 6 * U, 0.0), ()),
@@ -124,10 +124,12 @@ def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_rea
     ):
         assert replace(exact, sigma=sigma).differences(method) == found
     assert replace(exact, sigma=(-0.5 + 90 * U, 1.5, 0.0), error=90 * U).differences(method) == ()
-    bdf2 = FACTS_ONLY["bdf2"]  # its last rho is 3/2
+    bdf2 = FURTHER_METHODS["bdf2"]  # its last rho is 3/2
     told = replace(Recurrence.of(bdf2, BINARY64), sigma=(0.0, 0.0, 0.75)).differences(bdf2)
     assert told == ("sigma[2]: 3/4 instead of 2/3",)
-    assert exact.differences(FACTS_ONLY["adams_bashforth3"]) is exact.differences(FACTS_ONLY["stormer2"]) is None
+    assert (
+        exact.differences(FURTHER_METHODS["adams_bashforth3"]) is exact.differences(FURTHER_METHODS["stormer2"]) is None
+    )
 
 
 class Late(Remembering):

@@ -10,7 +10,7 @@ from driftproof.blackbox.families.rosenbrock import read_rosenbrock
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.rosenbrock import Rosenbrock
 from tests.blackbox.families.bounds import U
 from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, ros2_by_hand, rosenbrock
@@ -18,7 +18,7 @@ from tests.blackbox.families.split_steppers import imex
 from tests.blackbox.transcripts import to_twelve_digits
 from tests.looping import some
 
-KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Rosenbrock)]
+KEYS = [key for key, method in FURTHER_METHODS.items() if isinstance(method, Rosenbrock)]
 
 
 # How a step is written: all of them for one method, and one of them, in turn, for each other.
@@ -98,7 +98,7 @@ def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key):
             raise ValueError("too many numbers")
         return whole(f, jac, dfdt, t, y, h)
 
-    report, stages = verify(of_few, key, isolate=False), len(FACTS_ONLY[key].b)
+    report, stages = verify(of_few, key, isolate=False), len(FURTHER_METHODS[key].b)
     if most >= stages:
         assert identify(of_few, isolate=False).verdict == f"it is {key}"
         assert report.passed
@@ -117,7 +117,9 @@ def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
 
 def test_a_method_of_somebody_s_own_is_held_to_its_own_products():
     """Of one that has ROS2's places, and others of its gamma; and of as many places as it asks for."""
-    own = replace(FACTS_ONLY["ros2"], key="mine", claimed_order=1, gamma=((Fraction(1, 4), 0), (-1, Fraction(1, 4))))
+    own = replace(
+        FURTHER_METHODS["ros2"], key="mine", claimed_order=1, gamma=((Fraction(1, 4), 0), (-1, Fraction(1, 4)))
+    )
     step = rosenbrock("ros2", gamma=(slice(None), [[0.25, 0.0], [-1.0, 0.25]]))
     assert verify(step, own, isolate=False).verdict == "is mine"
     assert verify(rosenbrock("ros2"), own, isolate=False).passed is False
@@ -169,7 +171,7 @@ def test_what_may_be_rounding_has_a_bound():
                 numbers = np.array(getattr(right.reading, level))
                 numbers[place] += k * U
                 found = replace(right, reading=replace(right.reading, **{level: numbers.tolist()}))
-                held = found.criteria(FACTS_ONLY["ros3p"])[0].passed and not found.faults
+                held = found.criteria(FURTHER_METHODS["ros3p"])[0].passed and not found.faults
                 assert held is passes, (level, place, k)
 
 

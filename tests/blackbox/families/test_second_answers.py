@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.verify import verify
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from tests.blackbox.families.linearised_steppers import rosenbrock
 from tests.blackbox.families.remembering_steppers import Remembering
 from tests.blackbox.families.split_steppers import imex
@@ -26,7 +26,7 @@ from tests.blackbox.handwritten_steppers import euler
 )
 def test_an_error_estimate_is_held_to_the_embedded_row(key, factor, off, words):
     """The mistake is the sign of one weight."""
-    method = FACTS_ONLY[key]
+    method = FURTHER_METHODS[key]
     row = [factor * (float(x) - float(z)) for x, z in zip(method.b, method.b_embedded, strict=True)]
     row[1] -= off
     report = verify(rosenbrock(key, estimate=row), key, isolate=False)
@@ -54,7 +54,7 @@ def test_another_result_is_that_of_the_other_row_and_a_norm_is_said_not_to_be_ju
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("off", "wrong"), [(0.0, False), (0.25, True)])
 def test_the_other_result_of_a_pair_is_held_to_its_embedded_rows(off, wrong):
-    row = np.array([*map(float, FACTS_ONLY["ark324"].b_explicit_embedded)])
+    row = np.array([*map(float, FURTHER_METHODS["ark324"].b_explicit_embedded)])
     report = verify(imex("ark324", other=row + off * np.array([0, 1, -1, 0])), "ark324", isolate=False)
     assert report.passed is not wrong
     assert ("the error estimate is not that of ark324: b_explicit[1]" in report.verdict) is wrong

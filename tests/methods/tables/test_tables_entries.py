@@ -19,9 +19,11 @@ from tests.methods.tables.entries import FILES, by_key, entry, fingerprint, of_t
 
 def test_every_file_of_tables_is_in_the_catalogue_in_the_order_of_its_entries() -> None:
     assert [method for name in catalogue.TABLES for method in FILES[name]] == list(METHODS.values())
-    assert [each for name in catalogue.TABLES_OF_FACTS for each in FILES[name]] == list(catalogue.FACTS_ONLY.values())
+    assert [each for name in catalogue.FURTHER_TABLES for each in FILES[name]] == list(
+        catalogue.FURTHER_METHODS.values()
+    )
     # Extensions of methods are no methods.
-    assert {*catalogue.TABLES, *catalogue.TABLES_OF_FACTS, "continuous"} == set(FILES)
+    assert {*catalogue.TABLES, *catalogue.FURTHER_TABLES, "continuous"} == set(FILES)
 
 
 def test_no_method_leaves_its_table_and_no_digit_of_one_changes() -> None:
@@ -29,7 +31,7 @@ def test_no_method_leaves_its_table_and_no_digit_of_one_changes() -> None:
     frozen = tomllib.loads(Path(__file__).with_name("frozen.toml").read_text(encoding="utf-8"))
     found = {name: {method.key: fingerprint(method) for method in methods} for name, methods in FILES.items()}
     assert found == frozen, "a method was added, removed or changed: if that was meant, say so in frozen.toml"
-    assert sum(map(len, frozen.values())) == len(METHODS) + len(EXTENSIONS) + len(catalogue.FACTS_ONLY) > 100
+    assert sum(map(len, frozen.values())) == len(METHODS) + len(EXTENSIONS) + len(catalogue.FURTHER_METHODS) > 100
     digit = replace(entry("tsitouras54"), b=(entry("tsitouras54").b[0] + Q(1, 10**17), *entry("tsitouras54").b[1:]))
     assert fingerprint(digit) != frozen["decimal_pairs"]["tsitouras54"]
 

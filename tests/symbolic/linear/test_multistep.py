@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof import METHODS, Facts, facts, significant
-from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.linear.multistep import MultistepFacts
@@ -16,8 +16,8 @@ from driftproof.symbolic.linear.stability_limits import INFINITY
 from tests.looping import exactly, some
 from tests.witnesses.multistep import adams, bdf, error_at_one, largest, roots
 
-FIRST = {k: m for k, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.derivative == 1}
-SECOND = {k: m for k, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.derivative == 2}
+FIRST = {k: m for k, m in FURTHER_METHODS.items() if isinstance(m, Multistep) and m.derivative == 1}
+SECOND = {k: m for k, m in FURTHER_METHODS.items() if isinstance(m, Multistep) and m.derivative == 2}
 # Error constants as printed: hairer-norsett-wanner-1993, III.2 (gamma and gamma* of Adams), and -1/(k + 1) of BDF.
 CONSTANTS = {
     "adams_bashforth2": "5/12", "adams_bashforth3": "3/8", "adams_bashforth4": "251/720", "adams_bashforth5": "95/288",
@@ -39,7 +39,7 @@ LIMITS = {
 
 
 def of(key):
-    return MultistepFacts(FACTS_ONLY[key])
+    return MultistepFacts(FURTHER_METHODS[key])
 
 
 def one_step(key, rho, sigma):
@@ -90,7 +90,7 @@ def test_the_tables_are_what_interpolation_makes():
 
 @pytest.mark.parametrize("key", [*FIRST, *SECOND])
 def test_a_changed_coefficient_loses_the_order_and_a_run_has_it(key):
-    method = FACTS_ONLY[key]
+    method = FURTHER_METHODS[key]
     for j in range(method.steps + 1):
         changed = replace(method, sigma=tuple(x + Q(i == j, 1000) for i, x in enumerate(method.sigma)))
         assert MultistepFacts(changed).order == 0
@@ -128,7 +128,7 @@ def test_ndf_is_bdf_less_a_difference_and_has_the_printed_angles():
             (-1) ** (k + 1 - j) * comb(k + 1, j) * kappa * sum(Q(1, m) for m in range(1, k + 1)) for j in range(k + 2)
         ]
         rho = [x - y for x, y in zip((0, *bdf(k).rho), difference, strict=True)]
-        assert FACTS_ONLY[f"ndf{k}"].rho == tuple(rho)
+        assert FURTHER_METHODS[f"ndf{k}"].rho == tuple(rho)
         assert significant(of(f"ndf{k}").sector.degrees.exact, 2) == printed
 
 
@@ -214,11 +214,11 @@ def test_a_locus_that_meets_the_negative_axis_at_an_irrational_point_leaves_no_s
 
 
 def test_facts_are_written_as_records():
-    found = facts(FACTS_ONLY["bdf2"]).data
+    found = facts(FURTHER_METHODS["bdf2"]).data
     assert found["rho"] == {"num": ["1/2", "-2", "3/2"], "den": ["1"]}
     assert found["order_fails"] == {"power": 3, "residual": "-1/3"}
     assert (found["sector"], found["method"]) == ({"tan": "oo", "degrees": "90"}, "bdf2")
-    for point in exactly(11, facts(FACTS_ONLY["bdf2"], only=["root_locus"]).data["root_locus"]):
+    for point in exactly(11, facts(FURTHER_METHODS["bdf2"], only=["root_locus"]).data["root_locus"]):
         z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
         assert abs(unit) == pytest.approx(1)
         assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
@@ -226,13 +226,13 @@ def test_facts_are_written_as_records():
     assert len(one_step("pole", (-1, 0, 1), (1, 0, 1)).root_locus) == len(of("bdf2").root_locus) - 1  # sigma(i) = 0
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="a linear multistep method, and has no symplectic; choose from"):
-        facts(FACTS_ONLY["bdf2"], only=["symplectic"]).json()
+        facts(FURTHER_METHODS["bdf2"], only=["symplectic"]).json()
 
 
 @pytest.mark.parametrize(("key", "places"), [("adams_bashforth4", 16), ("cowell2", 12)])
 def test_digits_alone_keep_decimals_from_their_order(key, places):
     """The twin has a wrong digit early; an exact method has no such order, and the residuals show one that has."""
-    method = FACTS_ONLY[key]
+    method = FURTHER_METHODS[key]
     rounded = replace(method, sigma=tuple(round(x, places) for x in method.sigma), decimal=True)
     wrong = replace(rounded, sigma=(rounded.sigma[0] + Q(1, 10**3), *rounded.sigma[1:]))
     found = MultistepFacts(rounded).order_but_for_rounding

@@ -8,7 +8,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
@@ -104,7 +104,7 @@ def test_no_order_is_above_the_bound_of_so_many_stages() -> None:
     bounds = [general_conditions(method).bound for method in (*map(entry, keys), drift)]
     assert bounds == [1, 4, 2, 6, 4, 6, 6, 1]
     assert [conditions_with_nodes(entry(key)).bound for key in ("rk4", "implicit_midpoint")] == [8, 2]
-    ros3p = FACTS_ONLY["ros3p"]
+    ros3p = FURTHER_METHODS["ros3p"]
     assert WConditions(ros3p).bound == RosenbrockStages(ros3p, ros3p.b).bound == 4
 
 

@@ -4,7 +4,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.given_methods import subject_of
 from driftproof.methods.names import also_known_as
@@ -41,7 +41,7 @@ def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question, colum
 
 def test_every_title_and_common_name_is_understood_in_a_question():
     """Also with signs in it, as in "Euler-Cromer", with words such as "of order 2", and before what is asked."""
-    for key, method in some({**METHODS, **FACTS_ONLY}.items(), 150):
+    for key, method in some({**METHODS, **FURTHER_METHODS}.items(), 150):
         for name in {method.title, *also_known_as(key)}:
             query = parse_question(f"1 + step {name}, h=1/2 : q").rest[0][1]
             assert (keys_of_name(query.subject.text), query.settings["h"].value) == ((key,), Q(1, 2))

@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import pytest
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.families import FAMILIES
 from driftproof.symbolic.additive import ADDITIVE_FACTS
-from driftproof.symbolic.facts import FACTS, Facts, facts_only
+from driftproof.symbolic.facts import FACTS, Facts, facts_of_further
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS
@@ -63,7 +63,7 @@ def test_family_has_its_sets_under_the_same_headings():
 
 
 def test_a_method_of_facts_only_has_the_same_headings_and_its_angle_where_there_is_one():
-    found = {key: grouped_facts_text(facts_only(FACTS_ONLY[key])) for key in ("bdf2", "bdf3", "ros2")}
+    found = {key: grouped_facts_text(facts_of_further(FURTHER_METHODS[key])) for key in ("bdf2", "bdf3", "ros2")}
     assert all("\n\nAccuracy\n  order p: " in text for text in found.values())
     assert [key for key, text in found.items() if "A(alpha)-stable: stable for" in text] == ["bdf3"]
     assert "  also called                             Gear 3" in found["bdf3"]
