@@ -86,12 +86,13 @@ class LinearFit:
     def is_disturbed(self) -> bool:
         """True if a reading at states of another size may show more than this one.
 
-        That is so if the best candidate does not hold at all h > 0, or if there is no candidate for a step that is not
-        linear, or has no rates.
+        That is so if the best candidate does not hold at all h > 0, or if there is no candidate and something was seen
+        that depends on the size of states.
         """
         if self.best is not None:
             return self.doubts > 1
-        return self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
+        limited = any(remark.startswith(linear.FAR_OUT) for remark in self.remarks)
+        return limited or self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
 
     @property
     def lines(self) -> tuple[str, ...]:

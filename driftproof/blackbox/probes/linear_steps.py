@@ -16,6 +16,7 @@ MatrixEntries: TypeAlias = tuple[float, float, float, float]
 # The kinds of a reading.
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
 NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
+FAR_OUT = "not linear far out"
 # A generic state and step size: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
 # Step sizes at states of size 1, in units of the system's own time.
@@ -30,6 +31,8 @@ LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
 MOST_ROUNDING = 2.0**-5
 # Answers that differ by no more roundings are the same: those of sums of up to 18 terms in another order.
 REPEATED = 16
+# States of this size, in bits, show a limit: a million is beyond what people bound speeds and lengths by.
+FAR_BITS = 20
 # Tiny steps, in bits, for steppers that refuse smaller ones.
 COARSE_BITS = (20, 12)
 # Rates read at two tiny steps agree to this many bits unless they are noise; binary16 has no more.
@@ -91,9 +94,9 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
         moved = f"a step of {STEP} from (0, 0) ends in ({rest[0]!r}, {rest[1]!r})"
         return LinearReading(fmt, NOT_AT_REST, remarks=(moved,))
     reading = _at_amplitude(subject, LinearReading(fmt, LINEAR, amplitude))
-    seen = _nonlinearity(subject, reading)
+    seen = _nonlinearity(subject, reading, 1.0)
     if seen is None:
-        return _with_steps(subject, reading)
+        return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
     words, off = seen
     tiny = _linearised(subject, fmt, reading.starts_at_identity)
     if tiny is not None:
@@ -118,7 +121,7 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
             continue
         # States of a fourth of the size have the same rates; those of a cubic force are a sixteenth.
         less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
-        if all(map(_agree, tiny.at_zero, less)) and _nonlinearity(subject, tiny) is None:
+        if all(map(_agree, tiny.at_zero, less)) and _nonlinearity(subject, tiny, 1.0) is None:
             return tiny
     return None
 
@@ -202,10 +205,13 @@ def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
     return qq, qv, vq, vv
 
 
-def _nonlinearity(subject: ForeignStepper, reading: LinearReading) -> tuple[str, float] | None:
-    """The first case of M(z + w) ≠ M(z) + M(w), in words, with how far it is off; None if none is seen."""
+def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> tuple[str, float] | None:
+    """The first case of M(z + w) ≠ M(z) + M(w) at `size` times the amplitude, in words, with how far it is off.
+
+    None if none is seen.
+    """
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
-    (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), reading.amplitude
+    (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
     u = float(reading.format.u)
     for q, v in ((1.0, 1.0), (0.625, -0.75), (-1.5, 0.0)):
         got = subject.step(scale * q, scale * v, h)
@@ -216,6 +222,17 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading) -> tuple[str,
                 start = f"({scale * q:g}, {scale * v:g})"
                 return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size", off
     return None
+
+
+def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
+    """A remark on a limit on the size of states, if one is seen."""
+    try:
+        seen, _ = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2)) or ("", 0.0)
+    except Misbehaviour as failure:
+        seen = str(failure)
+    except NoAnswer as hang:
+        return (f"not seen far out: {hang}",)
+    return (f"{FAR_OUT}: {seen}",) if seen else ()
 
 
 def _with_steps(subject: ForeignStepper, reading: LinearReading, coarse: bool = False) -> LinearReading:

@@ -134,7 +134,7 @@ def test_a_call_that_does_not_come_back_is_told_and_changes_nothing_of_what_is_r
             continue
         assert (found.kind, found.unit, found.steps[:3]) == (right.kind, right.unit, right.steps[:3])
         told += [remark.partition(":")[0] for remark in found.remarks]
-    assert {"no answer at h = 2", "no answer at h = -1"} <= {*told}
+    assert {"not seen far out", "no answer at h = 2", "no answer at h = -1"} <= {*told}
 
 
 def stopping(refuses):
@@ -148,7 +148,13 @@ def stopping(refuses):
     return step
 
 
+def limited_at_10000(q, v, h):
+    v = max(-1e4, min(1e4, v - h * q))
+    return q + h * v, v
+
+
 READ = {
+    "cubic far out": kicked(lambda q: q + 1e-3 * q**3),
     "pendulum": kicked(lambda q: 9.75 * (q - q**3 / 6)),
     "stops at half": stopping(lambda h: h == 0.5),
     "stops at long steps": stopping(lambda h: abs(h) > 0.6),
@@ -156,6 +162,7 @@ READ = {
     "stops at short steps": stopping(lambda h: 0 < abs(h) < 1e-4),
     "at rest below a speed": at_rest_below_a_speed,
     "fast": lambda q, v, h: (q + h * v, v - 1e6 * h * q),
+    "limited far out": limited_at_10000,
     "falls": lambda q, v, h: (q + h * v, v - h),
     "bent": lambda q, v, h: (q + h * v * abs(v), v - h * q * q),
     "bent in h": lambda q, v, h: (q + h * v, v - abs(h) ** 0.5 * q),
