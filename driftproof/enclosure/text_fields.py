@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from math import floor
@@ -16,7 +17,7 @@ from driftproof.enclosure.numbers import Enclosed
 from driftproof.methods.field_text import field_of_text
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField, partial_derivative
 from driftproof.symbolic.algebra.certified import enclose
 
 # The forms in which a user may give f: a function of (t, y), text, or a field.
@@ -79,6 +80,19 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
     known = {"ν": numbers, FLOOR: floor, **{name: getattr(np, name) for name in FUNCTIONS}}
     made: RightHandSide = maker(text, "right-hand side", known)()
     return made
+
+
+def linear_part(field: VectorField) -> tuple[tuple[tuple[Fraction, ...], ...], tuple[Fraction, ...]] | None:
+    """A and b, if f(t, y) = Ay + b is written so in rational numbers, with A(y - c) among them; else None."""
+    n, zero = len(field.rates), Fraction(0)
+    slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components]
+    if not (field.autonomous and field.smooth) or re.search(r"\by\d", " ".join(slopes)):
+        return None
+    try:
+        at_origin, numbers = (tuple(map(Fraction, field_function(field, x)(zero, [zero] * n))) for x in (None, slopes))
+    except (TypeError, ValueError, ArithmeticError):
+        return None
+    return tuple(numbers[i : i + n] for i in range(0, n * n, n)), at_origin
 
 
 class _Numbered(ast.NodeTransformer):

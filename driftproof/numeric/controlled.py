@@ -81,19 +81,20 @@ def controlled_runner(method: Entry, field: VectorField, *, compiled: bool = Fal
 
     A compiled run compiles at its first call. Raises MethodError for methods without an error estimate.
     """
-    writers, timed = field_writers(field, compiled=compiled), False
+    writers_of = autonomous_writers if isinstance(method, Rosenbrock) else field_writers
+    writers, timed, steady = writers_of(field, compiled=compiled), False, 1.0
     table: PairTable | CollocationTable | RosenbrockTable
     attempt: StepAttempt
+    work: Callable[[int], Any]
+    if isinstance(method, Rosenbrock | RungeKutta):
+        power = min(method.claimed_order, method.embedded_order or 0) + 1.0
     if isinstance(method, Rosenbrock):
         attempt, table = rosenbrock_attempt, _rosenbrock_pair(method, field, compiled=compiled)
-        writers, timed = autonomous_writers(field, compiled=compiled), table.timed
-        power, steady = min(method.claimed_order, method.embedded_order or 0) + 1.0, 1.0
-        work: Callable[[int], Any] = partial(work_of_stages, table=table, writers=writers)
+        timed, work = table.timed, partial(work_of_stages, table=table, writers=writers)
     elif isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
         step = _pair_step(method, field, compiled=compiled)
         stages = used_stages(method.a, [method.b, method.b_embedded])
         attempt, table = pair_attempt, PairTable(step, len(stages) - 1, _keeps_last(method))
-        power, steady = min(method.claimed_order, method.embedded_order or 0) + 1.0, 1.0
         work = lambda n: tuple(writers.zeros(3, n))
     else:
         known = collocation_table(of_one_state(method))

@@ -130,7 +130,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
         **({"started": runs.start_method.key} if isinstance(runs, MultistepRun) else {}),
         **({"claims": list(map(str, missed))} if (missed := false_claims(method)) else {}),
         "expected": expected_of(problem, method),
-        **(_nonlinear_part(problem, method, runs) if found is None else _linear_part(problem, method, found)),
+        **(_nonlinear_answer(problem, method, runs) if found is None else _linear_part(problem, method, found)),
         "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
     }
 
@@ -150,8 +150,7 @@ def steps_in_words(problem: Problem, method: Entry) -> str:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
         return limit_text(_proved_limit(_system_facts(method, problem.matrix)))
-    found = _nonlinear_part(problem, method, runs)
-    fewest, most = found["fewest_steps"], found["looked_up_to"]
+    fewest, most = _nonlinear_part(problem, method, runs).values()
     return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
 
 
@@ -226,18 +225,19 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
         return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
     most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
-    fewest = fewest_steps(follows, most)
-    return {"fewest_steps": fewest, "looked_up_to": most, **_unstable_part(problem, method, fewest)}
+    return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 
-def _unstable_part(problem: Problem, method: Entry, fewest: int | None) -> Json:
-    """Find from how many steps on y' = -λy is stable, λ the fastest decay along the solution, if fewer follow it."""
+def _nonlinear_answer(problem: Problem, method: Entry, runs: Advance) -> Json:
+    """`_nonlinear_part`, and from how many steps on the fastest decay along the solution is stable, if fewer follow."""
+    found = _nonlinear_part(problem, method, runs)
     facts = MultistepFacts(method) if isinstance(method, Multistep) else Facts(_on_linear_problems(method))
-    limit, (decay, at) = facts.real_limit, fastest_decay(problem)
-    if fewest is None or not isinstance(limit, RealRoot) or limit == ZERO_ROOT or not decay > 0:
-        return {}
+    limit, fewest = facts.real_limit, found["fewest_steps"]
+    if fewest is None or not isinstance(limit, RealRoot) or limit == ZERO_ROOT:
+        return found
+    decay, at = fastest_decay(problem)
     stable = ceil(float(problem.t) * decay / float(limit))
-    return {"decay": {"rate": repr(decay), "t": repr(at), "stable_from": stable}} if fewest < stable else {}
+    return found | ({"decay": {"rate": repr(decay), "t": repr(at), "stable_from": stable}} if fewest < stable else {})
 
 
 def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:

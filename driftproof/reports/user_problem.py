@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -19,13 +18,13 @@ from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.rationals import brief
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
@@ -180,14 +179,11 @@ def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
 
     Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None.
     """
-    n, zero = len(field.rates), Fraction(0)
-    slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components if n <= MOST_PROVED]
-    if n > MOST_PROVED or not (field.autonomous and field.smooth) or re.search(r"\by\d", " ".join(slopes)):
+    if len(field.rates) > MOST_PROVED or (found := linear_part(field)) is None:
         return None
+    rows, at_origin = found
     try:
-        at_origin, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
-        rows = tuple(tuple(map(Fraction, numbers[i : i + n])) for i in range(0, n * n, n))
-        with_b = [[as_fmpq(Fraction(x)) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
+        with_b = [[as_fmpq(x) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
         shifted = fmpq_mat(with_b).rank() == fmpq_mat([row[:-1] for row in with_b]).rank()  # b is in the range of A
         bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
     except (TypeError, ValueError, ArithmeticError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
@@ -15,10 +15,10 @@ from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
-from driftproof.numeric.work_precision.integrators import Integrator, has_numba, integrator
+from driftproof.numeric.work_precision.integrators import COMPILED_FROM, Integrator, has_numba, integrator
 
 # The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.
-FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
+FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, COMPILED_FROM
 # For a goal an implicit method is run with up to so many, compiled; and the fewest are found to within a part NEAR.
 MOST_FOR_GOAL, NEAR = 2**16, 1 / 16
 # Numbers of steps that would have to be multiples of more than this land on the last of the reference's times only.
@@ -167,15 +167,29 @@ def for_goal(curve: Curve, method: Entry, problem: Problem, goal: float) -> list
         if method.explicit or not points[-1].errors or not has_numba() or points[-1].error <= points[-1].doubt:
             break
         points.append(measured(problem, runs, steps))
-    if not (met := lasting(points, goal)) or met[-1] is points[0]:
-        return points
-    at = points.index(met[-1])
-    found, low = points[at], points[at - 1].steps or 0
-    while (found.steps or 0) - low >= max(2, NEAR * low):
-        middle = (low + (found.steps or 0)) // 2
-        tried = measured(problem, runs, middle)
-        found, low = (tried, low) if lasting([tried], goal) else (found, middle)
-    return points if found is points[at] else [*points[:at], replace(found, between=True), *points[at:]]
+
+    def fewest(coarser: Point, found: Point) -> Point:
+        low = coarser.steps or 0
+        while (found.steps or 0) - low >= max(2, NEAR * low):
+            middle = (low + (found.steps or 0)) // 2
+            tried = measured(problem, runs, middle)
+            found, low = (tried, low) if lasting([tried], goal) else (found, middle)
+        return found
+
+    return with_cheapest(points, goal, fewest)
+
+
+def with_cheapest(points: Sequence[Point], goal: float, cheapest: Callable[[Point, Point], Point]) -> list[Point]:
+    """The points with cheapest(coarser, met) between the coarsest that meets the goal and the one before it.
+
+    Those between that belong to another goal are left out.
+    """
+    doubled = [point for point in points if not point.between]
+    if not (met := lasting(doubled, goal)) or met[-1] is doubled[0]:
+        return doubled
+    at = doubled.index(met[-1])
+    found = cheapest(doubled[at - 1], doubled[at])
+    return doubled if found is doubled[at] else [*doubled[:at], replace(found, between=True), *doubled[at:]]
 
 
 def curve_of(

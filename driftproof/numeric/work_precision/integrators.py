@@ -22,6 +22,7 @@ from driftproof.numeric.problems.problem import Problem
 COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"
 KINDS = (COMPILED, PYTHON, ENSEMBLE)
 MEMBERS = BLOCK
+# Errors of implicit methods are computed in Python up to so many steps: some seconds, as compiling takes ten.
 COMPILED_FROM = 2**10
 
 # call(steps) -> a function without arguments that returns the final state; calling it is what is timed.

@@ -22,7 +22,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed, with_cheapest
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -234,15 +234,12 @@ def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve
 
 def _tolerance_for_goal(solver: Callable[[], Solver], study: Study, curve: Curve, goal: float) -> Sequence[Point]:
     """The points with the largest tolerance that meets the goal, of 5 and 2 times the one that does."""
-    points = [point for point in curve.points if not point.between]
-    if not (met := lasting(points, goal)) or met[-1] is points[0]:
-        return points
-    at = points.index(met[-1])
-    for times in (5, 2):
-        tried = solver_point(solver(), times * float(points[at].setting), study)
-        if lasting([tried], goal):
-            return [*points[:at], replace(tried, between=True), *points[at:]]
-    return points
+
+    def loosest(_: Point, met: Point) -> Point:
+        tried = (solver_point(solver(), times * float(met.setting), study) for times in (5, 2))
+        return next((point for point in tried if lasting([point], goal)), met)
+
+    return with_cheapest(curve.points, goal, loosest)
 
 
 def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:

@@ -20,12 +20,12 @@ from driftproof.enclosure.multistep_runs import StartedMultistep
 from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.problem_tables import ProblemTable, problem_table, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml
@@ -142,13 +142,11 @@ class ProblemRun:
         method = self.method
         if not isinstance(method, RungeKutta | Collocation) or method.explicit:
             return None
-        (rate, *others), known = self.rates.rates, self.rates.autonomous and self.rates.smooth
-        slope = partial_derivative(rate, "y0")
-        if others or not known or "y0" in slope or any(self.rate(Fraction(0), [Fraction(0)])):
+        part = linear_part(self.rates) if len(self.rates.rates) == 1 else None
+        if part is None or any(part[1]):
             raise TypeError("not y' = λy")
-        (size,) = field_function(self.rates, [slope])(Fraction(0), [Fraction(0)])
-        function = Facts(method).stability_function
-        found = exact(function.f(as_fmpq(self.h * Fraction(size)))) if function else None
+        function, ((rate,),) = Facts(method).stability_function, part[0]
+        found = exact(function.f(as_fmpq(self.h * rate))) if function else None
         if not isinstance(found, Fraction):
             raise TypeError("an irrational factor")
         return found
