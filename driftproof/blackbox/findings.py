@@ -44,6 +44,10 @@ class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 
 
+class NothingReturned(NotANumber):
+    """The step returns None, or a part that is None, and has written its answer nowhere."""
+
+
 class Increment(Misbehaviour):
     """The answer is the increment y1 - y instead of y1."""
 

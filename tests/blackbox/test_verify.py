@@ -57,6 +57,18 @@ def velocity_verlet_of_the_oscillator(q, v, h):
     return q, v - h / 2 * q
 
 
+@pytest.mark.parametrize(("answer", "words"), [
+    (lambda q, v: (q, v, q), r"it returns \(1.0, 0.75, 1.0\), not a pair \(q1, v1\); write: def wrapped\(q, v, h\): "),
+    (lambda q, v: {"q": q, "rate": v, "old": q}, r"not a pair \(q1, v1\); write"),
+    (lambda q, v: (q, "fast"), "it returns str"),
+])  # fmt: skip
+@pytest.mark.parametrize("ask", [held, lambda step, key: identify(step, isolate=False)])
+def test_an_answer_that_is_not_understood_is_bad_input_and_no_answer_fails(answer, words, ask):
+    with pytest.raises(ValueError, match=f"cannot be read: .*{words}"):
+        ask(lambda q, v, h: answer(q, v), "forward_euler")
+    assert held(lambda q, v, h: None, "forward_euler").verdict.startswith("gives no answer: it returns None")
+
+
 @pytest.mark.parametrize(("kind", "near"), [(np.float32, "to roundoff in binary32: "), (float, "to roundoff: ")])
 def test_a_verdict_names_the_narrow_format_that_it_holds_a_step_to(kind, near):
     step = lambda q, v, h: (kind(q + h * v), kind(v - h * q))

@@ -23,6 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     POSITION,
     STATE,
     STEP,
+    TIME,
     VELOCITY,
     CallingConvention,
 )
@@ -69,7 +70,7 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
         return StepFinding(False, f"a step from the object that the previous step returned is wrong: {wrong}")
     if keeping.clock:
         return StepFinding(False, keeping.clock)
-    if keeping.spoilt:
+    if keeping.spoilt and not subject.log.works_in_place:
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
     numbers = (SCALARS,) * (not subject.log.works_in_place)  # a float that is handed over cannot be changed
@@ -175,7 +176,8 @@ class _ReusingAnswers:
         by_name = {name: self._known_as(x, name) for name, x in named.items()}
         roles = [*zip(self.order, given, strict=False), *((self.roles.get(name), x) for name, x in by_name.items())]
         moved = [x for role, x in roles if role in _STATE_ROLES and _can_be_written(x)]
-        before, t = [_bits(x) for x in moved], next(filter(None, (clock_of(x) for x in moved)), 0.0)
+        before, clocks = [_bits(x) for x in moved], filter(None, (clock_of(x) for x in moved))
+        t = dict(roles).get(TIME, next(clocks, 0.0))
         answer = self.function(*given, **by_name)
         for mine, its in zip((*arguments, *named.values()), (*given, *by_name.values()), strict=True):
             if mine is not its:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.findings import NotANumber, NothingReturned, StepRaised, WrongShape
 from driftproof.support.plain_text import counted
 
 # A float, or a number of the arithmetic that an adapter is for.
@@ -53,7 +53,7 @@ def floats_in(value: Foreign, size: int) -> list[float]:
 def as_array(value: Foreign) -> np.ndarray[Any, Any]:
     """The value as a NumPy array of real numbers. Raises NotANumber."""
     if value is None:
-        raise NotANumber("it returns None")
+        raise NothingReturned("it returns None")
     plain = value.detach() if hasattr(value, "detach") else value  # a tensor that records its gradient
     try:
         array = np.asarray(plain)

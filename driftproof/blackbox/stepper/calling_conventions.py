@@ -176,9 +176,10 @@ class CallingConvention:
     stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass
     over the charge; a slope that is handed on is `carried` times it. A `run` returns the states of `steps` steps, or is
     a generator of states. `asks` are the roles of the arguments that its force gets. With `velocity_first`, the stepper
-    takes (v, q) and returns (v1, q1). `timed` says whether an answer of several parts begins with the time, if that is
-    known. Each interval of a grid is longer than the one before by twice `uneven` of the first. In place of a velocity
-    it is given and returned `momentum` times it.
+    takes (v, q) and returns (v1, q1). `timed` says how many numbers stand before the state in an answer of several
+    parts, if that is known; one is the time. `places` are those of position and velocity in one of more than two. Each
+    interval of a grid is longer than the one before by twice `uneven` of the first. In place of a velocity it is given
+    and returned `momentum` times it.
     """
 
     kind: str
@@ -191,7 +192,8 @@ class CallingConvention:
     steps: int = 1
     asks: tuple[str, ...] = ()
     velocity_first: bool = False
-    timed: bool | None = None
+    timed: int | None = None
+    places: tuple[int, ...] = ()
     uneven: float = 0.0
     momentum: float = 1.0
 

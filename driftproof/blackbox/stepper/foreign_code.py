@@ -6,16 +6,24 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, is_dataclass
-from itertools import islice
+from itertools import islice, takewhile
 from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, PositionsAlone, StepRaised, WrongShape
+from driftproof.blackbox.findings import (
+    Misbehaviour,
+    NotANumber,
+    NotFinite,
+    NothingReturned,
+    PositionsAlone,
+    StepRaised,
+    WrongShape,
+)
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.records import clock_of, in_parts, part_pair, parts_of, run_parts
+from driftproof.blackbox.stepper.records import clock_of, in_parts, named_pair, part_pair, parts_of, run_parts
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
@@ -48,7 +56,8 @@ class CallLog:
     dense: Callable[..., Foreign] | None = None  # the last dense output, a function of the time or of theta
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
-    timed: bool | None = None  # whether the last answer of several parts begins with a time
+    timed: int | None = None  # how many numbers stand before the state in the last answer of several parts
+    parts: Sequence[Foreign] = ()  # of the last answer of more than two whose places are not known
     clock: float | None = None  # the time in the last answer, or what stands in its place
     asks: tuple[str, ...] = ()  # the roles of the arguments in the first call of a force
     states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, with the start where all are returned
@@ -123,13 +132,16 @@ class ForeignCode:
         return slopes
 
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
-        """The position and the velocity in an answer. Raises WrongShape."""
+        """The position and the velocity in an answer, by their places if more stands there. Raises WrongShape."""
+        parts: list[Foreign] = []
         try:
-            first, second = part_pair(answer)
-        except (TypeError, ValueError):
-            text = repr(answer)
+            parts = unfolded([*part_pair(answer)])
+            first, second = [parts[i] for i in self.convention.places] or parts
+        except (TypeError, ValueError, IndexError):
+            self.log.parts, text = parts, repr(answer)
             shown = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
-            raise WrongShape(f"it returns {shown}, not a pair (q1, v1)") from None
+            kind = NothingReturned if answer is None else WrongShape
+            raise kind(f"it returns {shown}, not a pair (q1, v1)") from None
         return (second, first) if self.convention.velocity_first else (first, second)
 
     def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
@@ -148,7 +160,7 @@ class ForeignCode:
         return self._answer(guarded_call(f"step({words})", call, self.after), roles, kept)
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
-        """The state at the end: the last one of a run, or the one that a generator yields after the start."""
+        """The state at the end: the last one of a run, or the one that a generator yields after the start, or alone."""
         parts = len(answer) if isinstance(answer, tuple) and calling.CARRIED in self.convention.order else 0
         pair = parts == 2 and calling.POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
         if parts > 1 and not pair:
@@ -156,8 +168,11 @@ class ForeignCode:
         steps = self.convention.steps
         if answer is None:  # a run may be made in place
             return None
+        yielded = [*islice(answer, steps + 1)] if hasattr(answer, "__next__") else []
+        if len(yielded) == 1 and self.log.layout is None:
+            return yielded[0]
         if hasattr(answer, "__next__"):
-            self.log.states, self.log.layout = _states_of_generator(answer, start, self.log.layout, steps)
+            self.log.states, self.log.layout = _states_of_generator(yielded, start, self.log.layout, steps)
         elif self.convention.run:
             self.log.states, self.log.layout = _states_of_run(answer, start, self.log.layout, steps)
         else:
@@ -171,13 +186,19 @@ class ForeignCode:
         changed = any(_differs(roles[role], before) for role, before in kept.items())
         self.log.changes_its_arguments |= changed
         self.log.changes_slopes |= any(_differs(*pair) for pair in self.log.slopes)
-        if answer is not None or not (changed or self.log.works_in_place):
+        parts = tuple(roles[role] for role in kept if role in self.convention.order)
+        if not (changed or self.log.works_in_place) or not (answer is None or self._beside(answer, parts)):
             return answer
         self.log.works_in_place = True
-        parts = tuple(roles[role] for role in kept if role in self.convention.order)
         if self.convention.run:
             self.log.states = [np.concatenate([as_array(part).ravel() for part in parts]).tolist()]
         return parts if len(parts) > 1 else parts[0]
+
+    def _beside(self, answer: Foreign, parts: Sequence[Foreign]) -> bool:
+        """True if a step that writes into its arguments returns something else: fewer numbers, such as the time."""
+        with suppress(NotANumber):
+            return self.log.works_in_place or as_array(answer).size < sum(map(size_of, parts))
+        return False
 
     def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
         """The numbers in an answer, whose type is logged. Raises WrongShape or NotANumber."""
@@ -192,17 +213,23 @@ class ForeignCode:
         What follows y1 is logged: the other solution, an error estimate, which may be one number, or a dense output. If
         the state is one number, the first answer of all decides whether it begins with the time, close to `end`.
         """
-        if self.convention.kind == calling.FIELD and not isinstance(self.function, type):  # which makes an object
-            answer = in_parts(answer)
-        parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
-        self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
+        if not self.adapter.parts and not isinstance(self.function, type):  # a class makes an object
+            pair = named_pair(answer) if self.convention.kind == calling.MAP else []
+            answer = np.concatenate([as_array(x).ravel() for x in pair]) if pair else in_parts(answer)
+        parts = [part for part in answer if not callable(part)] if _is_of_parts(answer) else []
+        self.log.dense = next(filter(callable, answer), None) if parts else None
         sizes, self.log.beside = [size_of(part) for part in parts], None
         if len(sizes) > 1:
-            timed = self.convention.timed if size == 1 else sizes[:2] == [1, size]
-            if timed is None and (timed := sizes[:2] == [1, 1]):
-                timed = any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
-            (self.log.clock,) = self.adapter.read(parts[0], 1) if timed else (None,)
-            self.log.timed, parts, sizes = timed, parts[timed:], sizes[timed:]
+            before = self.convention.timed if size == 1 else len([*takewhile(lambda n: n == 1, sizes)])
+            first: list[AnyNumber] = []
+            with suppress(NotANumber):
+                first = self.adapter.read(parts[0], 1) if sizes[0] == 1 else []
+            if before is None:
+                before = int(sizes[1] == 1 and any(abs(x - end) <= _ABOUT * abs(end) for x in first))
+            elif sizes[before : before + 1] != [size]:
+                before = 0
+            self.log.clock = first[0] if first and before == 1 else None
+            self.log.timed, parts, sizes = before, parts[before:], sizes[before:]
         elif (clock := clock_of(answer)) is not None:
             self.log.clock = float(clock)
         if sizes[:1] != [size]:
@@ -234,6 +261,27 @@ def guarded_call(words: str, call: Callable[[], Foreign], after: Callable[[], No
 
 def _is_finite(x: AnyNumber) -> bool:
     return not isinstance(x, float) or isfinite(x)
+
+
+def _is_of_parts(answer: Foreign) -> bool:
+    """True for a tuple, and for a list that is no array, such as [t1, y1]."""
+    try:
+        return isinstance(answer, tuple) or (isinstance(answer, list) and len({*map(np.shape, answer)}) > 1)
+    except ValueError:  # of a part that is none either
+        return True
+
+
+def unfolded(parts: list[Foreign]) -> list[Foreign]:
+    """The parts (q1, v1, t1) of ((q1, v1), t1), where one of two is larger than all others; else as they are.
+
+    >>> unfolded([0.25, (1.0, 0.5)])
+    [0.25, 1.0, 0.5]
+    """
+    sizes = [*map(size_of, parts)]
+    place = sizes.index(max(sizes))
+    if sizes.count(sizes[place]) > 1 or sizes[place] == 1 or len(parts[place]) != 2:
+        return parts
+    return [*parts[:place], *parts[place], *parts[place + 1 :]]
 
 
 def size_of(x: Foreign) -> int:
@@ -278,10 +326,10 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
 
 
 def _states_of_generator(
-    generator: Any, start: Sequence[Any], layout: str | None, steps: int
+    yielded: Sequence[Any], start: Sequence[Any], layout: str | None, steps: int
 ) -> tuple[Sequence[Any], str]:
     """The states that a generator yields, after the start, and their layout. Raises NotANumber if there are none."""
-    parts = (each if isinstance(each, tuple) else (each,) for each in islice(generator, steps + 1))
+    parts = (each if isinstance(each, tuple) else (each,) for each in yielded)
     # In (t, y) and (q, v), the numbers of the state come last.
     states = [np.concatenate([as_array(part).ravel() for part in each])[-len(start) :] for each in parts]
     if not states:

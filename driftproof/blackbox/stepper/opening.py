@@ -287,10 +287,20 @@ class Target:
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignStepper:
-        """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`."""
+        """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`.
+
+        An answer that is there, but not understood, is no fault of the stepper, and raises BadInput.
+        """
         array, step = None if self.array is None else imported(self.array), imported(self.step)
         own = fresh_copy(step) if inspect.ismethod(step) else None
-        return opened(own or step, self.calls, array, before, after, self.keeps)
+        try:
+            return opened(own or step, self.calls, array, before, after, self.keeps)
+        except findings.NothingReturned:
+            raise
+        except (findings.WrongShape, findings.NotANumber) as unread:
+            subject = ForeignStepper(step, calling.conventions_of(step, self.calls)[0], ARRAYS)
+            words = f"{calling.signature_text(step)} cannot be read: {unread}{wrappers.answer_wrapper(subject)}"
+            raise findings.BadInput(words) from unread
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:

@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import partial
+from types import SimpleNamespace
 from typing import Any, get_type_hints
 
 import numpy as np
 
-from driftproof.blackbox.findings import WrongShape
+from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
 from driftproof.blackbox.stepper.wrapper_parts import is_before
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
@@ -156,7 +157,9 @@ def adapter_of(record: Record) -> ArrayAdapter:
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:
-    """The fields of a dataclass or a named tuple by name, or a mapping as it is; nothing for any other value."""
+    """The fields of a dataclass, a named tuple or a namespace by name, or a mapping as it is; nothing for others."""
+    if isinstance(record, SimpleNamespace):
+        return vars(record)
     if hasattr(record, "_asdict"):
         return dict(record._asdict())
     if dataclasses.is_dataclass(record):
@@ -166,17 +169,28 @@ def parts_of(record: Foreign) -> Mapping[str, Foreign]:
 
 def part_pair(answer: Foreign) -> Foreign:
     """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
-    parts = parts_of(answer)
-    if not parts:
-        return answer
-    return _named_pair(parts) or list(parts.values())
+    return named_pair(answer) or [*parts_of(answer).values()] or answer
 
 
-def _named_pair(parts: Mapping[str, Foreign]) -> list[Foreign]:
-    """The position and the velocity among named parts; nothing unless both are there."""
-    roles = {_role(str(name)): x for name, x in reversed([*parts.items()])}
+def named_pair(answer: Foreign) -> list[Foreign]:
+    """The position and the velocity in an answer of named parts; nothing unless both are there."""
+    roles = _by_role(answer, (calling.POSITION, calling.VELOCITY, calling.TIME))
     found = [roles.get(role) for role in (calling.POSITION, calling.VELOCITY)]
     return [] if any(part is None for part in found) else found
+
+
+def _by_role(answer: Foreign, roles: Sequence[str]) -> dict[str | None, Foreign]:
+    """The parts of an answer by the roles that their names are in use for: in each, one that is said to be new."""
+    found: dict[str | None, Foreign] = {}
+    for name, x in sorted(_named(answer).items(), key=lambda part: not _NEW.search(str(part[0]))):
+        word = str(name)
+        found.setdefault(calling.role_of(word, roles) or calling.role_of(_NEW.sub("", word), roles), x)
+    return found
+
+
+def _named(answer: Foreign) -> Mapping[str, Foreign]:
+    """The parts of a record, or of any other object that is no array, by name."""
+    return parts_of(answer) or ({} if hasattr(answer, "__array__") else getattr(answer, "__dict__", {}))
 
 
 def run_parts(answer: Foreign) -> Foreign:
@@ -185,12 +199,16 @@ def run_parts(answer: Foreign) -> Foreign:
     >>> run_parts({"x": [1.0, 0.5], "v": [0.0, -1.0], "t": [0.0, 0.5]})
     ([1.0, 0.5], [0.0, -1.0])
     """
-    return tuple(_named_pair(parts_of(answer))) or in_parts(answer)
+    return tuple(named_pair(answer)) or in_parts(answer)
 
 
 def clock_of(record: Foreign) -> Foreign:
-    """The time in a record; None if it has none."""
-    return next((x for name, x in parts_of(record).items() if _role(str(name)) == calling.TIME), None)
+    """The time in a record, one number; None if it has none."""
+    for name, x in parts_of(record).items():
+        if _role(str(name)) == calling.TIME:
+            with suppress(NotANumber):
+                return x if as_array(x).size == 1 else None
+    return None
 
 
 def in_parts(answer: Foreign) -> Foreign:
@@ -199,11 +217,10 @@ def in_parts(answer: Foreign) -> Foreign:
     >>> in_parts({"y_new": 1.5, "err": 0.25, "nfev": 6})
     (1.5, 0.25)
     """
-    named = parts_of(answer) or ({} if hasattr(answer, "__array__") else getattr(answer, "__dict__", {}))
-    roles = {name: calling.role_of(_NEW.sub("", name), (calling.STATE, calling.TIME)) for name in map(str, named)}
-    found = [[named[x] for x, role in roles.items() if role == each][:1] for each in (calling.TIME, calling.STATE)]
-    errors = [x for name, x in named.items() if "err" in str(name).lower()][:1]
-    return (*found[0], *found[1], *errors) if found[1] else answer
+    roles = _by_role(answer, (calling.STATE, calling.TIME))
+    parts = [roles[each] for each in (calling.TIME, calling.STATE) if each in roles]
+    errors = [x for name, x in _named(answer).items() if "err" in str(name).lower()][:1]
+    return (*parts, *errors) if calling.STATE in roles else answer
 
 
 def goes_on(before: float, after: float, h: float) -> bool:

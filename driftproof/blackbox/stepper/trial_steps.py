@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -14,6 +15,7 @@ from driftproof.blackbox.findings import (
     Exchanged,
     Increment,
     Misbehaviour,
+    NotANumber,
     OwnClock,
     StaleSlope,
     WrongShape,
@@ -36,6 +38,8 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, F
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
+# No part of an answer is near the numbers of both states unless it is position or velocity.
+_ANOTHER_STATE = (-0.375, 1.75)
 # A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10, which moves numbers
 # by no more than that, returns 0 to within the third, it is an increment.
 _SUSPICIOUS, TINY, NEAR = 0.5, 2.0**-10, 2.0**-8
@@ -91,11 +95,29 @@ def tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     try:
         return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
     except Misbehaviour as failure:
+        if trial is one_step and (places := _places_of_pair(subject)):
+            return tried(replace(subject, convention=replace(convention, places=places), log=CallLog()), trial)
         if convention.run and not isinstance(failure, Exchanged):
             with suppress(Misbehaviour):
                 longer = _after_trial(replace(subject, convention=convention.of_steps(LONGER)), trial)
                 return replace(longer, convention=longer.convention.of_steps(1), shortest=LONGER)
         raise
+
+
+def _places_of_pair(subject: ForeignStepper) -> tuple[int, ...]:
+    """Where position and velocity stand in an answer of more parts: where very short steps leave them.
+
+    Nothing if there are no such places, if they are known, or if several parts are as near.
+    """
+    found = list[set[tuple[int, ...]]]()
+    for state in (TRIAL_STATE, _ANOTHER_STATE) if subject.log.parts and not subject.convention.places else ():
+        subject.log.parts = list[adapters.Foreign]()
+        with suppress(Misbehaviour):
+            subject.step(*state, TINY**2)
+        near = [[i for i, part in enumerate(subject.log.parts) if _is_near(part, x)] for x in state]
+        found.append({*product(*near)})
+    places = set.intersection(*found) if found else set()
+    return places.pop() if len(places) == 1 else ()
 
 
 def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
@@ -147,6 +169,12 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     # A step from rest changes nothing, so that a stepper which works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
+
+
+def _is_near(part: adapters.Foreign, x: float) -> bool:
+    with suppress(NotANumber):
+        return bool(np.allclose(adapters.as_array(part).ravel()[:1], x, rtol=0, atol=NEAR))
+    return False
 
 
 def _format_of_answers(log: CallLog) -> FloatFormat:

@@ -70,6 +70,14 @@ def increment_wrapper(subject: ForeignStepper) -> str:
     return _of_call(subject, "return y + {}" if of_state else "dq, dv = {}; return q + dq, v + dv")
 
 
+def answer_wrapper(subject: ForeignStepper) -> str:
+    """The wrapper that returns the new state alone, of which only the place in the answer is not known."""
+    of_state = calling.STATE in subject.convention.order
+    body, what = ("{}[HERE]", "the new state stands") if of_state else ("[{}[i] for i in HERE]", "q1 and v1 stand")
+    function = "f" if subject.convention.kind == calling.FIELD else "force"
+    return f"{_of_call(subject, f'return {body}', function)}  # HERE: where {what}"
+
+
 def exchange_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that returns the position before the velocity."""
     return _of_call(subject, "v1, q1 = {}; return q1, v1", function="force")

@@ -90,7 +90,23 @@ def velocity_first(state, h):
     return [v - h * x / 2, x]
 
 
+def in_place_with_the_time(f, t, y, h):
+    in_place(f, t, y, h)
+    return t + h
+
+
+def with_the_time(f, t, y, h):
+    return {"t": t + h, "y": codes.rk4(f, t, y, h)}
+
+
+def with_a_time_too_late(force, q, v, t, h):
+    return {"t": t + h + (t > 0), "q": q + h * v, "v": v + h * force(q, t)}
+
+
 FOUND = {
+    "in place, and the time": (in_place_with_the_time, "rk4", True),
+    "a record of time and state": (with_the_time, "rk4", True),
+    "a record of a wrong time": (with_a_time_too_late, "forward_euler", False),
     "arrays": (codes.rk4, "rk4", True),
     "a buffer of answers": (answered_in_a_buffer, "rk4", True),
     "in place": (in_place, "rk4", True),

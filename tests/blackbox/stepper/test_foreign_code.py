@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, NothingReturned, StepRaised, WrongShape
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper import euler_steps
 from tests.looping import exactly
@@ -47,11 +48,11 @@ def test_nan_in_an_argument_is_no_change_of_it():
 
 
 @pytest.mark.parametrize(("answer", "kind", "seen"), [
-    (None, WrongShape, "it returns None, not a pair (q1, v1)"),
+    (None, NothingReturned, "it returns None, not a pair (q1, v1)"),
     (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
     (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
     ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
-    ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
+    ((1.0, [2.0, 3.0]), WrongShape, "it returns (1.0, [2.0, 3.0]), not a pair (q1, v1)"),
     (np.zeros(100), WrongShape, "..."),
     ([1.0] * 12, WrongShape, "1.0], not a pair"),  # of 60 letters, all of which are shown
     ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
@@ -87,6 +88,12 @@ ANSWERS = [
     (lambda t, y1, error: (t, y1), 0),
     (lambda t, y1, error: (y1, np.zeros(3)), 0),
     (lambda t, y1, error: (y1, "accepted"), 0),
+    (lambda t, y1, error: [t, y1], 0),
+    (lambda t, y1, error: (t, 0.25, y1), 0),
+    (lambda t, y1, error: ("accepted", t, y1, error), 2),
+    (lambda t, y1, error: {"t_new": t, "y": y1 - error, "y_new": y1, "err": error}, 2),
+    (lambda t, y1, error: SimpleNamespace(y=y1, t=t), 0),
+    (lambda t, y1, error: iter([(t, y1)]), 0),
     (lambda t, y1, error: y1, 0),
 ]
 
@@ -97,6 +104,40 @@ def test_what_is_returned_beside_the_state_is_kept_and_not_taken_for_the_state(c
     subject = opened(lambda f, t, y, h: answer(t + h, y + h * f(t, y), np.array([-0.5, 0.25])))
     assert subject.step(1.0, 0.75, H) == (1.1875, 0.5)
     assert len(subject.log.beside or []) == numbers
+
+
+# What is returned, of the time, the position, the velocity and the force at the end.
+PAIRS = [
+    lambda t, q, v, a: (q, v, a),
+    lambda t, q, v, a: (q, v, t),
+    lambda t, q, v, a: (t, q, v, a),
+    lambda t, q, v, a: [a, v, q],
+    lambda t, q, v, a: (q, v, (q * q + v * v) / 2, "accepted", None, True),
+    lambda t, q, v, a: ((q, v), a),
+    lambda t, q, v, a: (t, (q, v)),
+    lambda t, q, v, a: np.array([q, v, a]),
+    lambda t, q, v, a: {"t": t, "v": v, "x_new": q, "x": q - t * v},
+    lambda t, q, v, a: SimpleNamespace(energy=q, x1=q, v1=v),
+    lambda t, q, v, a: iter([(q, v, a)]),
+]
+
+
+@pytest.mark.parametrize("case", range(len(PAIRS)))
+def test_position_and_velocity_are_found_among_whatever_a_step_returns(case):
+    for step in exactly(3, (
+        lambda force, q, v, h: PAIRS[case](h, q + h * v, v + h * force(q), force(q)),
+        lambda q, v, h: PAIRS[case](h, q + h * v, v - h * q, -q),
+        lambda t, q, v, h: PAIRS[case](t + h, q + h * v, v - h * q, -q),
+    )):  # fmt: skip
+        assert opened(step).step(1.0, 0.75, H) == (1.1875, 0.5)
+
+
+def test_a_step_in_place_may_return_something_else():
+    def step(f, t, y, h):
+        y += h * np.array(f(t, y))
+        return t + h
+
+    assert opened(step).step(1.0, 0.75, H) == (1.1875, 0.5)
 
 
 def test_of_one_number_too_the_time_is_told_from_the_state():
