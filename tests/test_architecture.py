@@ -106,7 +106,7 @@ UNMIRRORED: dict[str, str] = {
 }  # fmt: skip
 
 # Names that every module of a folder has: its protocol.
-PROTOCOL = {"methods.tables": {"ENTRIES"}, "commands": {"add", "answer"}}
+PROTOCOL = {"methods.tables": {"ENTRIES"}}
 
 
 def place(root: Path, path: Path) -> str:
@@ -373,6 +373,9 @@ def test_every_exception_is_still_one() -> None:
     """A reason for what is no longer there is no reason."""
     assert all((ROOT / PACKAGE / path).exists() for path in (*SMALL, *UNMIRRORED))
     assert all(text_of(ROOT / PACKAGE / path).count("\n") < SMALLEST for path in SMALL)
+    for folder, names in PROTOCOL.items():
+        paths = [path for path in files(ROOT, f"{PACKAGE}/{folder.replace('.', '/')}") if path.name != "__init__.py"]
+        assert all(sum(name in _public_names(parsed(path)) for path in paths) > 1 for name in names)
 
 
 HEAVY = {"sympy", "flint", "mpmath", "hypothesis", "tqdm", "numba", "jinja2", "distributed", "dask"}

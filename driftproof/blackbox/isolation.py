@@ -57,8 +57,8 @@ _MOST_HANGS = 3
 _OURS = {"driftproof", "numpy", "flint", "cython_runtime"}
 # Seconds between two looks at the call in progress.
 _LOOK = 0.05
-# Other step sizes are tried only at the ends of the floating-point range; a call that hangs there does so from every
-# state.
+# Steps outside this range are tried only to probe overflow and underflow. If one hangs, every later call with that h is
+# refused, whatever its state.
 _ORDINARY_STEPS = (2.0**-40, 2.0**8)
 
 
