@@ -138,6 +138,20 @@ def places_of(document: Document, claim: Claim, number: str) -> list[int]:
     return [one.start(i) for one in found for i, x in enumerate(numbers, 1) if x == one[i] == number]
 
 
+def others_in_phrases(
+    document: Document, checked: Iterable[CheckedClaim], open_ones: Iterable[TextNumber]
+) -> list[str]:
+    """The numbers, of these that nothing accounts for, that stand where a claim that holds has another one."""
+    left, found = {x.start: x.text for x in open_ones}, dict[int, str]()
+    for claim in (one.claim for one in checked if one.occurrences and not one.findings and one.claim.phrase.names):
+        shape, _ = claim.phrase.shape(claim.spellings())
+        if any(re.search(r"[^\W\d_]{2}", text) for text in claim.phrase.literals):  # not a number alone
+            for match in _at_address(document, claim, re.compile(f"(?={shape.pattern})", shape.flags), _MOST_COMPARED):
+                places = map(match.start, range(1, len(match.groups()) + 1))
+                found |= {at: left[at] for at in places if at in left}
+    return [found[at] for at in sorted(found)]
+
+
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
@@ -219,7 +233,7 @@ def _end(document: Document, written: str) -> tuple[Position, str] | None:
         last = written[word.start() :].replace("\n", " ")
         if len(re.sub("[^0-9]", "", last)) >= _TELLING and (at := flat.find(last)) >= 0:
             begins = flat.find(" ", max(0, at - word.start() - 1), at) + 1
-            return document.position(at), flat[begins : at + len(last)][:_SHOWN]
+            return document.position(at), _there(flat, begins, at + len(last))
     return None
 
 
@@ -229,8 +243,14 @@ def _beginning(document: Document, written: str) -> tuple[Position, str]:
     for word in reversed([*re.finditer(r"\S+", written)]):
         at = flat.find(written[: word.end()].replace("\n", " "))
         if at >= 0 and word.end() > 1:
-            return document.position(at), flat[at : at + len(written)][:_SHOWN]
+            return document.position(at), _there(flat, at, at + len(written))
     return Position(1, 1), ""
+
+
+def _there(flat: str, start: int, end: int) -> str:
+    """The text of a place, with what makes another number of the one at its end: off by 0.5 percent."""
+    follows = re.match(r"\S* ?\S*", flat[end:]) if flat[start:end][-1:].isdigit() else None
+    return (flat[start:end] + (follows[0] if follows else "").rstrip(".,;:!? "))[:_SHOWN]
 
 
 @dataclass(frozen=True)

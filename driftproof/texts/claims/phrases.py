@@ -39,9 +39,13 @@ ANY_NUMBER = (
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
 _ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
-# A match must not be a part of a longer number, a product, a power or a percentage.
-_NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
-_NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
+# A match must not be a part of a longer number, a product, a power, a range or a percentage.
+_NUMBER_BEGINS = r"(?<![0-9][,'/×·*])(?<![\w.^_√+-])(?<![0-9] [×·*x] )(?<!\bminus )(?<!\bnegative )"
+_UNIT = r"%|‰|(?:per[ \n-]?(?:cent|mille?)|percentage|pp[mb]|hundred|thousand|[mb]illion|trillion)(?!\w)"
+_NUMBER_ENDS = (
+    r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?!-\.?[0-9])"
+    rf"(?![ \n]?[×·*x][ \n]?10(?![0-9.]))(?![ \n-]?(?:{_UNIT}))"
+)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,15 @@ from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.files import named_beside, read_utf8
 from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
-from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
+from driftproof.texts.claims.checking import (
+    Accounted,
+    CheckedClaim,
+    Coverage,
+    Finding,
+    check_claims,
+    coverage,
+    others_in_phrases,
+)
 from driftproof.texts.claims.claims import Claims, read_claims, refused_in
 from driftproof.texts.claims.drafting import Doubt, doubts_of, draft
 from driftproof.texts.claims.listings import Ran, run_listings
@@ -137,12 +145,15 @@ class TextReport(Printable):
         numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
         yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {counted(labels, 'label')} not counted"
+        if others := others_in_phrases(self.document, self.checked, self.coverage.uncovered):
+            shown = [*others[:_MOST_WORDS], *[f"{len(others) - _MOST_WORDS} more"] * (len(others) > _MOST_WORDS)]
+            yield f"not checked: {counted(len(others), 'number')} where a claim has another one ({', '.join(shown)})"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
             words = [f"{word}{f' ×{n}' * (n > 1)}" for word, n in unread.most_common(_MOST_WORDS)]
             words += [f"{len(unread) - _MOST_WORDS} more"] * (len(unread) > _MOST_WORDS)
             yield f"not checked: {counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
-        if others := self.document.other_files:
-            yield f"not read: {', '.join(others)}, included by the text; check each separately"
+        if files := self.document.other_files:
+            yield f"not read: {', '.join(files)}, included by the text; check each separately"
 
     def _annotations(self) -> Iterator[str]:
         for level, line, column, title, message in self._notes():

@@ -14,6 +14,32 @@ STANDS = [
     ("is {value} off", "0.33", "it is\u00a00.33\n  off.", ["it is 0.34 off", "it is 0.331 off", "this is 10.33 off"]),
     ("error {value}", "0.33", "error 0.33, and", ["error 0.331", "error 0.33e-4", "error 0.33×10⁻⁴", "error 0.33/2"]),
     ("error {value}", "0.33", "an error 0.33", ["error 0.33%", "error 0.33 %", "terror 0.33", "error 0.33.1"]),
+    (
+        "error {value}",
+        "0.33",
+        "error 0.33 per step",
+        [
+            f"error 0.33{x}"
+            for x in (
+                " percent",
+                " per cent",
+                "\u00a0\u2030",
+                " per mille",
+                " ppm",
+                " million",
+                "-0.5",
+                "\u20130.5",
+                " x 10^-3",
+                "*10**-3",
+                "·10",
+                " × 10⁻³",
+                "\npercent",
+            )
+        ],
+    ),
+    ("{value} D", "1", "the 1 D case", [f"{x}1 D" for x in ("2 x ", "2·", "2 × ", "minus ", "0.5-", "negative ")]),
+    ("in {value}", "1", "in 1-D", []),
+    ("from {value}-0.7", "0.5", "from 0.5-0.7", ["from 0.5-0.8", "from 0.5-0.7 %"]),
     ("{value} of", "0.33", "(0.33 of", ["-0.33 of", "1.0.33 of", "10.33 of", "√0.33 of", "^0.33 of"]),
     ("v = {value}", "-0.5", "v = −0.5", ["v = 0.5", "v = - 0.5", "v = −0.55", "v = −0,5"]),
     ("v = {value}", "-0.5", "v = -0.5", ["v = +0.5"]),
