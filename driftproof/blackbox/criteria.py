@@ -89,6 +89,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
 
     coefficients = partial(_judge_coefficients, solver_tolerance=float(solved or 0))
     estimate, later = _READABLE_ESTIMATE * is_pair(method), partial(later_steps, explicit=method.explicit)
+    again = partial(first_call_again, explicit=method.explicit)
     return [
         Question(ROUNDING, against(rounding_of, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
@@ -102,7 +103,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
-        Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
+        Question(FIRST_CALL, again, _judge_calls, ", but not in every call"),
     ]
 
 

@@ -273,7 +273,8 @@ def left_at_one(subject: ForeignStepper, system: Callable[..., Any] | str) -> tu
 def report_on_system(runner: IsolatedRunner, wanted: Specification, system: Callable[..., Any] | str) -> Report:
     """The report of `verify` on a step that is held to a given system. Raises ValueError for wrong input."""
     asked = partial(steps_on_system, wanted=wanted, system=system), partial(left_at_one, system=system)
-    steps, left, again = runner.run([*asked, first_call_again])
+    repeated = partial(first_call_again, explicit=wanted.method.explicit)
+    steps, left, again = runner.run([*asked, repeated])
     if steps.kind == BadInput.kind:
         raise ValueError(steps.seen)
     is_open = steps.kind in (OwnSystem.kind, *NO_EVIDENCE)

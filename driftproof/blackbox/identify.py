@@ -106,7 +106,8 @@ def _identified_table(name: str) -> Report:
         ("Order", [f"{order}, from the exact coefficients", *map(str, unreached_orders(method))]),
     )
     data = {"method": next(iter(found.methods), None), "near": [*found.near], "differences": [*found.differences]}
-    return Report(name, words, None, sections(*parts), {**data, "order": order})
+    named = bool(found.methods or found.near)
+    return Report(name, words, None, sections(*parts), {**data, "order": order}, named)
 
 
 def _identified(runner: IsolatedRunner) -> Report:
@@ -177,7 +178,7 @@ class Identification:
         beyond = failing and failing.answer and failing.error_over_bound
         off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""
         verdict = "; ".join(filter(None, [seen.naming.words, off, self.later, seen.arithmetic]))
-        return Report(self.name, verdict, None, self._sections, self._data)
+        return Report(self.name, verdict, None, self._sections, self._data, seen.naming.basis.answered)
 
     @property
     def _opened(self) -> Introduction | None:

@@ -29,6 +29,11 @@ class Basis(Enum):
 
     KNOWN, ADDED, NEAR, LINEAR_ONLY, UNKNOWN, UNDECIDED, NO_ANSWER = range(7)  # ADDED: known, and more is to be said
 
+    @property
+    def answered(self) -> bool | None:
+        """Whether it names a method; None if that is undecided."""
+        return None if self is Basis.UNDECIDED else self not in (Basis.UNKNOWN, Basis.NO_ANSWER)
+
 
 class Naming(NamedTuple):
     """A verdict: its basis, its words, the keys of all methods in it, and whether it has a reservation."""
@@ -56,8 +61,9 @@ class Section:
 class Report(Printable):
     """The verdict on a stepper in one line, whether it passed, and the sections that say why.
 
-    `passed` is None if that is undecided, or if no method was given to compare with. `data` is for programs, with
-    floats as strings.
+    `passed` is None if that is undecided, or if no method was given to compare with. Where none was, `answered` is True
+    if the verdict names a method, exactly or nearly; False if it names none, and None if that is undecided. `data` is
+    for programs, with floats as strings.
     """
 
     target: str
@@ -65,12 +71,7 @@ class Report(Printable):
     passed: bool | None
     sections: tuple[Section, ...]
     data: dict[str, Json] = field(default_factory=dict)
-
-    @property
-    def answered(self) -> bool | None:
-        """True if the verdict names what was found; None if it is undecided, False if it is unknown or no answer."""
-        begins = self.verdict.replace(",", ":").replace(";", ":").partition(":")[0]
-        return {UNDECIDED: None, NO_ANSWER: False}.get(begins, not begins.startswith("it is not a known "))
+    answered: bool | None = True
 
     def section(self, title: str) -> Section | None:
         """The section with this title; None if there is none."""

@@ -64,7 +64,7 @@ def identify_command(options: Namespace) -> str:
 
     With --method the stepper is compared with that method: `driftproof verify --help` says what is checked.
 
-    exit status: 0 if it is named, if only nearly, 1 if it is no known method, 2 if the input is wrong, 3 if undecided.
+    exit status: 0: a method is named, exactly or nearly; 1: none; 2: wrong input; 3: undecided.
     Faults change nothing of that: a test of a solver holds identify_solver(solve).data["faults"] to what is allowed.
     """
     return _examined(options)

@@ -25,7 +25,8 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 _REPETITIONS = 8
 # Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
-# A solver that begins with its last solution changes a step by less than this part, a method with memory by more.
+# A solver that begins with its last solution changes a step by less than this part, a method with memory by more. What
+# solves for nothing repeats its step up to another order of summation.
 ALIKE = 2.0**-10
 # More steps than the start of any method of the catalogue has, and than codes leave between some action that is not of
 # every step.
@@ -60,17 +61,25 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return _varies(f"the same call gives answers {apart}", example)
 
 
-def first_call_again(subject: ForeignStepper) -> StepFinding:
-    """Whether the first step of all, made many times again, ends where it did; None if it cannot be repeated."""
+def first_call_again(subject: ForeignStepper, explicit: bool = False) -> StepFinding:
+    """Whether the first step of all, made many times again, ends where it did; None if it cannot be repeated.
+
+    That of an `explicit` method does so but for a few ulp of its largest number, since nothing is solved in it.
+    """
     if subject.begun is None or subject.convention.momentum != 1:
         return StepFinding(None, "its first step cannot be repeated")
     step, end = subject.begun
-    ends = (step(subject) for _ in range(MANY))
-    if (other := next((x for x in ends if not np.allclose(x, end, rtol=ALIKE, atol=0)), None)) is None:
-        return StepFinding(True, f"its first step, made {MANY} times again after all others, ends where it did")
-    first, last = (", ".join(f"{x:.9g}" for x in numbers) for numbers in (end, other))
-    seen = f"its first step ended at ({first}), and the same step, made again after others, at ({last})"
-    return StepFinding(False, seen)
+    size, most = float(np.max(np.abs(end))), 0.0
+    few = 2 * _FEW_ULPS * float(half_spacing(size, subject.format))
+    for again in (step(subject) for _ in range(MANY)):
+        off = np.abs(np.subtract(again, end))
+        if not np.all(off <= (few if explicit else ALIKE * np.abs(end))):
+            first, last = (", ".join(f"{x:.16g}" for x in numbers) for numbers in (end, again))
+            seen = f"its first step ended at ({first}), and the same step, made again after others, at ({last})"
+            return StepFinding(False, seen)
+        most = max(most, float(off.max()))
+    told = f"to {most / size:.1e} of its size" if most else "to the last bit"
+    return StepFinding(True, f"its first step, made {MANY} times again after all others, ends where it did, {told}")
 
 
 def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:

@@ -81,6 +81,11 @@ class ImexIdentity(WithEstimate):
         return self.known if self.known and not self.faults else None
 
     @property
+    def named(self) -> bool:
+        """True if the verdict names a method, exactly or nearly."""
+        return bool(self.known or self.near)
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"

@@ -124,6 +124,11 @@ class MagneticReading:
         return "boris" if self.boris and not self.faults else None
 
     @property
+    def named(self) -> bool:
+        """True if the verdict names a method, exactly or nearly."""
+        return bool(self.turn.method) and not self.uneven
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
         staggered = self._leapfrog[1] if self._leapfrog and self._staggered else ""

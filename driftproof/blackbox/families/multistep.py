@@ -121,6 +121,11 @@ class MultistepReading(WithEstimate):
         return self.start.fault(facts.order, self.recurrence.recurrence.derivative)
 
     @property
+    def named(self) -> bool:
+        """True if the verdict names a method, exactly or nearly."""
+        return self.recurrence.named
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""

@@ -171,11 +171,20 @@ class RecurrenceReading:
         return tuple(each for each in told if len(each[1]) == fewest)
 
     @property
+    def named(self) -> bool:
+        """True if the name is that of a method, exactly or nearly."""
+        return bool(self._key or self.untimed or self.near)
+
+    @property
+    def _key(self) -> str | None:
+        own = self.recurrence.exact if self.recurrence.steps == 1 and self.asked else None
+        of_one_step = None if own is None else _OF_ONE_STEP.get(own.sigma)
+        return of_one_step if self.method is None else self.method.key
+
+    @property
     def name(self) -> str:
         """The method in words, or what is known of it."""
-        k = self.recurrence.steps
-        own = self.recurrence.exact if k == 1 and self.asked else None
-        key = self.method.key if self.method is not None else own and _OF_ONE_STEP.get(own.sigma)
+        k, key = self.recurrence.steps, self._key
         if key and self.predictor is not None:
             often = "once" if self.corrections == 1 else f"{self.corrections} times"
             mode = f"P{'EC' * self.corrections}E"

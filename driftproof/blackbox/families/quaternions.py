@@ -72,6 +72,11 @@ class QuaternionReading:
         return self.turn.method if known and not self.faults else None
 
     @property
+    def named(self) -> bool:
+        """True if the verdict names a method, exactly or nearly."""
+        return bool(self.product and self.turn.method)
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
         if not self.product:

@@ -20,7 +20,7 @@ from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction, introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, criteria_parts, sections, verification
+from driftproof.blackbox.report import NO_ANSWER, NOT_KNOWN, UNDECIDED, Report, criteria_parts, sections, verification
 from driftproof.blackbox.stepper.calling_conventions import FIELD, IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import Target
@@ -29,6 +29,7 @@ from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
+from driftproof.support.plain_text import Json
 
 # The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
@@ -78,14 +79,15 @@ def family_report(name: str, introduced: Introduction, read: FamilyReading) -> R
         ("Stepper", opened),
     )
     data = {"calls": introduced.calls, "format": introduced.format, "faults": list(read.faults), **read.data}
-    return Report(name, read.verdict, None, parts, data)
+    return Report(name, read.verdict, None, parts, data, read.named)
 
 
 def unread_report(name: str, outcome: Outcome) -> Report:
     """The report of `identify` on a stepper that is called like one of a family but could not be read, and why."""
-    words = {NotReadable.kind: "it is not a known method", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
+    words = {NotReadable.kind: NOT_KNOWN, **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
     verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
-    return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
+    data: dict[str, Json] = {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]}
+    return Report(name, verdict, None, (), data, None if outcome.kind in NO_EVIDENCE else False)
 
 
 def hand_jacobian(runner: IsolatedRunner) -> str:

@@ -214,6 +214,11 @@ class RosenbrockIdentity(WithEstimate):
         return found or [*filter(None, [slow])]
 
     @property
+    def named(self) -> bool:
+        """True if the verdict names a method, exactly or nearly."""
+        return self.method is not None or bool(self.near)
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
         name = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -84,6 +84,7 @@ class ForeignSolver:
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
     state_first: bool = False  # whether it calls f(y, t), or f(y, p, t)
+    runs: list[tuple[int, int]] = field(default_factory=list)  # of each, how many numbers its state has, and its steps
 
     @property
     def adaptive(self) -> bool:
@@ -130,7 +131,9 @@ class ForeignSolver:
         by_name = dict(zip(self.names, given.values(), strict=False))
         by_position = () if self.names else given.values()
         run = lambda: _listed(self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name))
-        return _solution(guarded_call(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
+        found = _solution(guarded_call(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
+        self.runs.append((len(y0), len(found.t) - 1))
+        return found
 
 
 def _require_end(calls: Sequence[Call], t_span: tuple[float, float]) -> None:

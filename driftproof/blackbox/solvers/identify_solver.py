@@ -66,25 +66,29 @@ def identify_solver(
     if isinstance(wanted, Family):
         wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
-    steps, controller, runs = runner.run([_steps, _controlled, read_runs])
+    steps, controller, runs, seen = runner.run([_steps, _controlled, read_runs, _seen])
     if steps.kind == "bad_input":
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
     faults, remarks = _faults(steps, controller, runs)
+    looked_at = "" if seen.failed else seen.result
     report = Report(
         runner.target.name,
         _verdict(steps, controller, runs),
         None,
-        _sections(steps, controller, runs),
+        (*_sections(steps, controller, runs), *sections(("Looked at", [*filter(None, [looked_at])]))),
         {
             "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
             "faults": list(faults),
             "remarks": list(remarks),
+            "looked_at": looked_at,
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
+        # Steps that are not read may be those of any method; without an answer there are none.
+        steps.result.named if not steps.failed else None if steps.kind in NO_EVIDENCE or not runs.failed else False,
     )
     return report if wanted is None else _held(report, steps.result, wanted, faults, remarks)
 
@@ -105,7 +109,7 @@ def _held(
         verdict = "; ".join([*faults, report.verdict.partition(f"; {faults[0]}")[0]])
         return replace(report, verdict=verdict, passed=False)
     if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
-        passed = False if report.answered is False else None
+        passed = False if steps is None and report.answered is False else None
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
         return replace(report, verdict=verdict, passed=passed)
     if isinstance(steps, SolverMemory):
@@ -116,7 +120,8 @@ def _held(
         return replace(report, verdict=f"is not {method.key}; {report.verdict}", passed=False)
     if faults:
         return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
-    verdict = f"is {method.key}{''.join(map(_REMARK.format, remarks))}"
+    seen = f" in {report.data['looked_at']}" if report.data["looked_at"] else ""
+    verdict = f"is {method.key}{seen}{''.join(map(_REMARK.format, remarks))}"
     if report.data["runs"] is None:
         verdict = f"{UNDECIDED} whether it {verdict}: its clock and its tolerances are not seen"
         return replace(report, verdict=verdict, passed=None)
@@ -140,6 +145,13 @@ def _order(steps: SolverSteps | SolverMemory, runs: Outcome) -> int | None:
     order = steps.order if isinstance(steps, SolverMemory) else steps.order.order
     lines = [] if order != 0 or runs.failed else runs.result.seen.get("Tolerance", ())
     return min((round(float(line.partition(", order ")[2])) for line in lines if ", order " in line), default=order)
+
+
+def _seen(subject: ForeignSolver) -> str:
+    """What all questions looked at: how many steps, in how many runs, of how many numbers."""
+    sizes, steps = zip(*subject.runs, strict=True)
+    *most, last = map(str, sorted({*sizes}))
+    return f"{sum(steps)} steps, in {len(sizes)} runs of {' and '.join(filter(None, [', '.join(most), last]))} numbers"
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:

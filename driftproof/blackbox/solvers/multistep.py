@@ -51,6 +51,7 @@ class SolverMemory:
     settled: bool = True
     dense: None = None
     key: str | None = None  # of the catalogue, if it is one without changes
+    named: bool = True  # whether the name is that of a method, or of several, exactly or nearly
 
 
 def read_memory(subject: ForeignSolver) -> SolverMemory:
@@ -70,7 +71,7 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
     lines = [line for _, part in reading.parts for line in part]
     settled = not reading.recurrence.asked or reading.recurrence.predictor is not None
     name, faults = reading.recurrence.name + begun, tuple(reading.faults)
-    return SolverMemory(name, order, tuple(lines), faults, settled, key=reading.key)
+    return SolverMemory(name, order, tuple(lines), faults, settled, key=reading.key, named=reading.named)
 
 
 @dataclass(frozen=True)

@@ -91,6 +91,11 @@ class SolverSteps:
         return tuple(m for m in methods if is_pair(m) and sum(bool(0 < c < 1) for c in m.c) <= inner)
 
     @property
+    def named(self) -> bool:
+        """True if the name is that of a method, exactly or nearly."""
+        return bool(self.identity.matches or self.identity.near)
+
+    @property
     def name(self) -> str:
         """The pair that advances, or else another method of the catalogue, or the nearest; or that it is none."""
         if not self.identity.matches:

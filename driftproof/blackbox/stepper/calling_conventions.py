@@ -177,9 +177,9 @@ class CallingConvention:
     over the charge; a slope that is handed on is `carried` times it. A `run` returns the states of `steps` steps, or is
     a generator of states. `asks` are the roles of the arguments that its force gets. With `velocity_first`, the stepper
     takes (v, q) and returns (v1, q1). `timed` says how many numbers stand before the state in an answer of several
-    parts, if that is known; one is the time. `places` are those of position and velocity in one of more than two. Each
-    interval of a grid is longer than the one before by twice `uneven` of the first. In place of a velocity it is given
-    and returned `momentum` times it.
+    parts, if that is known; one is the time. `places` are those of position and velocity in one of more than two, and
+    `handed` is that of the slope that is handed on, if one is. Each interval of a grid is longer than the one before by
+    twice `uneven` of the first. In place of a velocity it is given and returned `momentum` times it.
     """
 
     kind: str
@@ -194,6 +194,7 @@ class CallingConvention:
     velocity_first: bool = False
     timed: int | None = None
     places: tuple[int, ...] = ()
+    handed: int | None = -1
     uneven: float = 0.0
     momentum: float = 1.0
 

@@ -55,6 +55,7 @@ class CallLog:
     beside: list[AnyNumber] | None = None  # after y1 in the last answer: an error estimate or another y1
     dense: Callable[..., Foreign] | None = None  # the last dense output, a function of the time or of theta
     carried: Foreign = None  # the slope that the last step hands on
+    returned: int = 0  # how many parts the answer has that holds it
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
     timed: int | None = None  # how many numbers stand before the state in the last answer of several parts
     parts: Sequence[Foreign] = ()  # of the last answer of more than two whose places are not known
@@ -163,8 +164,10 @@ class ForeignCode:
         """The state at the end: the last one of a run, or the one that a generator yields after the start, or alone."""
         parts = len(answer) if isinstance(answer, tuple) and calling.CARRIED in self.convention.order else 0
         pair = parts == 2 and calling.POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
-        if parts > 1 and not pair:
-            self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
+        if parts > 1 and not pair and (place := self.convention.handed) is not None:
+            self.log.carried, self.log.returned = answer[place], parts
+            answer = tuple(x for i, x in enumerate(answer) if i != place % parts)
+            answer = answer if len(answer) > 1 else answer[0]
         steps = self.convention.steps
         if answer is None:  # a run may be made in place
             return None

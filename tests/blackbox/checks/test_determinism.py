@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.checks.determinism import repeats, several_states
+from driftproof.blackbox.checks.determinism import first_call_again, repeats, several_states
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import METHODS
 from tests.blackbox.checks.habits import UNREPEATABLE, Counter, Multistep, plain, results_of
 from tests.blackbox.handwritten_steppers import velocity_verlet
 
@@ -29,6 +30,19 @@ def test_one_slip_is_seen_at_whichever_call_and_is_not_taken_for_memory(call, by
     same, memory = repeats(subject)
     assert (same.key, same.holds) == ("same_answer_twice", False)
     assert call < 30 or memory.holds is None
+
+
+# What solves for its stages may begin with its last solution; an explicit step is repeated but for the order of a sum.
+@pytest.mark.parametrize(("by", "method", "passed", "words"), [
+    (0.0, "forward_euler", True, "to the last bit"), (2.0**-52, "forward_euler", True, "to 1.9e-16 of its size"),
+    (5e-4, "forward_euler", False, "ended at (1.1875, "), (5e-4, "backward_euler", True, "to 4.2e-04 of its size"),
+    (5e-3, "backward_euler", False, "ended at (1.1875, "),
+])  # fmt: skip
+def test_how_alike_a_step_has_to_be_made_again_is_a_matter_of_its_method(by, method, passed, words):
+    slip = Slip(2, by)
+    again = first_call_again(opened(slip.step), METHODS[method].explicit)
+    assert again.holds is passed
+    assert words in again.words
 
 
 def test_of_an_unsteady_stepper_nothing_else_is_asked():

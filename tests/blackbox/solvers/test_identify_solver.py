@@ -135,10 +135,10 @@ def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
 
 
 HELD = {
-    "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54"),
+    "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54 in "),
     "another": (adaptive("dormand_prince54", exponent=0.2), "cash_karp54", False, "is not cash_karp54; it advances"),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
-    "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
+    "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32 in "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (by_number(adams_bashforth2), "adams_bashforth3", False, "is not adams_bashforth3; it advances"),
     "late": (before_its_time, "bogacki_shampine32", False, "u' = 1 ends at u"),

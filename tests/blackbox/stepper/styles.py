@@ -63,7 +63,7 @@ def defined(code: str) -> Callable[..., Any]:
     return found
 
 
-STYLES = exactly(53, styles())
+STYLES = exactly(54, styles())
 
 
 def keys_of(step: Callable[..., Any]) -> tuple[str, ...]:

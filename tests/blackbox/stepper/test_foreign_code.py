@@ -2,12 +2,21 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, NothingReturned, StepRaised, WrongShape
+from driftproof.blackbox.findings import (
+    Misbehaviour,
+    NotANumber,
+    NotFinite,
+    NothingReturned,
+    StaleSlope,
+    StepRaised,
+    WrongShape,
+)
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper import euler_steps
 from tests.looping import exactly
@@ -130,6 +139,26 @@ def test_position_and_velocity_are_found_among_whatever_a_step_returns(case):
         lambda t, q, v, h: PAIRS[case](t + h, q + h * v, v - h * q, -q),
     )):  # fmt: skip
         assert opened(step).step(1.0, 0.75, H) == (1.1875, 0.5)
+
+
+@pytest.mark.parametrize("answer", [
+    lambda t, q, v, a: (q, v, a, t),
+    lambda t, q, v, a: (t, q, v, a, "accepted"),
+    lambda t, q, v, a: ((q, v), a, t),
+    lambda t, q, v, a: (a, q, v),
+], ids=range(4))  # fmt: skip
+def test_the_slope_that_is_handed_on_is_found_too_unless_it_is_not_that_at_the_end(answer):
+    def step(force, q, v, acc, h, stale=0.0):
+        q = q + h * v
+        return answer(h, q, v + h * acc, force(q - stale))
+
+    assert opened(step).step(1.0, 0.75, H) == (1.1875, 0.5)
+    with pytest.raises((StaleSlope, NotANumber)):
+        opened(partial(step, stale=0.5))
+
+
+def test_a_time_is_no_slope_that_is_handed_on():
+    assert opened(lambda force, q, v, acc, h: (q + h * v, v + h * acc, h)).step(1.0, 0.75, H) == (1.1875, 0.5)
 
 
 def test_a_step_in_place_may_return_something_else():

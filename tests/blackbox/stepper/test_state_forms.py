@@ -1,4 +1,4 @@
-"""Thirty-seven correct steppers in different styles, those of docs/steppers.md: opened, and named."""
+"""Correct steppers in different styles, those of docs/steppers.md: opened, and named."""
 
 import inspect
 import re
