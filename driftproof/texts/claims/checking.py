@@ -15,7 +15,7 @@ from itertools import islice, product
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.texts.claims.claims import Claim, NumberLabel
 from driftproof.texts.claims.contradictions import lowered, starters_said
-from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
+from driftproof.texts.claims.phrases import NUMBER_ENDS, Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.document import Document, Position
@@ -249,7 +249,8 @@ def _beginning(document: Document, written: str) -> tuple[Position, str]:
 
 def _there(flat: str, start: int, end: int) -> str:
     """The text of a place, with what makes another number of the one at its end: off by 0.5 percent."""
-    follows = re.match(r"\S* ?\S*", flat[end:]) if flat[start:end][-1:].isdigit() else None
+    is_part = flat[start:end][-1:].isdigit() and not re.compile(NUMBER_ENDS).match(flat, end)
+    follows = re.match(r"\S* ?\S*", flat[end:]) if is_part else None
     return (flat[start:end] + (follows[0] if follows else "").rstrip(".,;:!? "))[:_SHOWN]
 
 

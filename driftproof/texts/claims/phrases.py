@@ -42,7 +42,7 @@ _ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
 # A match must not be a part of a longer number, a product, a power, a range or a percentage.
 _NUMBER_BEGINS = r"(?<![0-9][,'/×·*])(?<![\w.^_√+-])(?<![0-9] [×·*x] )(?<!\bminus )(?<!\bnegative )"
 _UNIT = r"%|‰|(?:per[ \n-]?(?:cent|mille?)|percentage|pp[mb]|hundred|thousand|[mb]illion|trillion)(?!\w)"
-_NUMBER_ENDS = (
+NUMBER_ENDS = (
     r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?!-\.?[0-9])"
     rf"(?![ \n]?[×·*x][ \n]?10(?![0-9.]))(?![ \n-]?(?:{_UNIT}))"
 )
@@ -237,7 +237,7 @@ class Phrase:
         if not first or re.match("[-+.]?[0-9]", first):
             begins = _NUMBER_BEGINS
         if not last or last[-1].isdigit():
-            ends = _NUMBER_ENDS
+            ends = NUMBER_ENDS
         # Put the lookbehind after the first letters: re searches ten times as fast for a literal prefix.
         pattern = re.sub(r"\A\(\?<!\\w\)([A-Za-z]+)", r"\1(?<!\\w\1)", begins + "".join(parts) + ends)
         return re.compile(pattern)
