@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
-from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
+from driftproof.blackbox.families.reports import GOES_ON, hand_jacobian, make_anew, turns, verify_family
 from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
@@ -24,6 +24,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.stepper.wrappers import substeps_wrapper
@@ -148,6 +149,8 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
             report = _report_on_one_step(runner, method, questions)
             return replace(report, verdict=report.verdict + handed)
     target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
+    if REMEMBERS in seen.outcomes[criteria.COEFFICIENTS].seen and (found := _made_anew(runner, method, questions)):
+        return found
     of_own = rounding.kind == OwnSystem.kind and seen.passed is None
     wrong, others = _faults_of_any_method(runner, rounding.seen) if of_own else ([], [])
     parts, data = criteria_parts([*seen.checks.values()], seen.passed if not wrong else False)
@@ -171,6 +174,20 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
     parts.append(("Calls made", [f"{made} calls of the stepper"] * bool(made)))  # a process that was ended counts none
     return Report(target, verdict, seen.passed, sections(*parts), data)
+
+
+def _made_anew(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report | None:
+    """The report on a stepper that remembers, each step made by a copy; None if its first step is not the method's."""
+    target = runner.target
+    if not make_anew(runner):
+        return None
+    report = _report_on_one_step(runner, method, questions)
+    if report.passed is False and criteria.FIRST_ONLY not in report.verdict:
+        runner.turn_to(target)
+        return None
+    remarks = [GOES_ON] * bool(report.passed)
+    data = {**report.data, "remarks": [*report.data["remarks"], *remarks]}
+    return replace(report, verdict="; ".join([report.verdict, *remarks]), data=data)
 
 
 def _faults_of_any_method(runner: IsolatedRunner, system: str) -> tuple[list[str], list[str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -38,6 +39,7 @@ _NEEDED: dict[type, str] = {
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
+GOES_ON = "remark: it remembers its last step: one from elsewhere than that ended, or after a rejected one, is another"
 # What was read of a stepper: the verdict, the evidence, and how it compares with a method.
 FamilyReading: TypeAlias = MultistepReading | RosenbrockIdentity | ImexIdentity | MagneticReading | QuaternionReading
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
@@ -95,6 +97,19 @@ def hand_jacobian(runner: IsolatedRunner) -> str:
         return ""
     runner.turn_to(replace(target, calls=FIELD))
     return "; as its Jacobian it was handed differences of f"
+
+
+def make_anew(runner: IsolatedRunner) -> bool:
+    """Examine an object that remembers as one of which a copy makes each step; False if it is none, or that is done."""
+    target = runner.target
+    if not isinstance(target, Target) or target.anew or not runner.outcome_of(_of_object).result:
+        return False
+    runner.turn_to(replace(target, anew=True))
+    return True
+
+
+def _of_object(subject: ForeignStepper) -> bool:
+    return inspect.ismethod(subject.function)
 
 
 def turns(subject: ForeignStepper) -> bool:
