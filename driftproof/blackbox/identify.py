@@ -245,7 +245,9 @@ class Identification:
             lines.append(f"if it should be {key}, verify it: {held} {key}{solved}, or assert_verified in a test")
         else:
             lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
-        if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
+        if seen.coefficients.failed and "y = 0 does not stay 0" in seen.coefficients.seen:
+            lines.append("if it takes differences of f as its Jacobian, hand it that: step(f, jac, t, y, h)")
+        elif seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
             advice = "let a large tolerance accept each step, or examine a solver: --solver"
             lines.append(f"if it adapts its step size, {advice}")
         if seen.coefficients.kind == "unsupported_call":
