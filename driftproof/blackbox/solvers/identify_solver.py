@@ -88,11 +88,10 @@ def identify_solver(
         },
     )
     unread = steps.kind == NotReadable.kind and report.answered is not False and not faults
-    apart = ""
     if unread and isinstance(wanted, RungeKutta) and wanted.explicit:
-        apart = runner.outcome_of(partial(unlike, method=wanted)).result or ""
-    if apart:
-        return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
+        apart = runner.outcome_of(partial(unlike, method=wanted)).result
+        if apart:
+            return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
     return report if wanted is None else _held(report, steps.result, wanted, faults, remarks)
 
 
