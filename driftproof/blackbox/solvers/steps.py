@@ -142,9 +142,9 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
 
 
 def unlike(subject: ForeignSolver, method: RungeKutta) -> str:
-    """Where most steps with calls at the nodes of an explicit method are not its own, in words; "" if they may be.
+    """Say where most steps with calls at the nodes of an explicit method are not its own; "" if they may be.
 
-    They are those of neither row of a pair, by more than any format rounds. So it is known without its coefficients.
+    They are those of neither row of a pair, beyond rounding. That is seen of steps whose coefficients are not read.
     """
     rows = [[float(x) for x in row] for row in (method.b, method.b_embedded or method.b)]
     a, c = [[float(x) for x in row] for row in method.a], [float(x) for x in method.c]
