@@ -25,7 +25,7 @@ from tests.looping import exactly
 
 PAGE = Path(__file__).parents[3] / "docs" / "steppers.md"
 _BLOCKS = r"```python\n(.*?)```\n(?:\n```text\n(.*?)```\n)?"
-_STYLE = re.compile(rf"^### (.*?)\n(?:(?!###).)*?{_BLOCKS}\nIt is `(\w+)`", re.DOTALL | re.MULTILINE)
+_STYLE = re.compile(rf"^### ([^\n]*)\n(?:(?!###).)*?{_BLOCKS}\nIt is `(\w+)`", re.DOTALL | re.MULTILINE)
 # Loaded where a style needs it, and is left out where it is not installed.
 OPTIONAL = ("torch", "jax", "numba")
 
