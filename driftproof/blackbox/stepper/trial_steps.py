@@ -113,7 +113,7 @@ def tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
 
 
 def _places_of_pair(subject: ForeignStepper) -> tuple[int, ...]:
-    """Where position and velocity stand in an answer of more parts: where very short steps leave them.
+    """The places of position and velocity in an answer of more parts: those where very short steps leave them.
 
     Nothing if there are no such places, if they are known, or if several parts are as near.
     """
