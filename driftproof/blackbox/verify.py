@@ -87,7 +87,7 @@ def verify(
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
         if system is not None:
-            return report_on_system(runner, wanted, system)
+            return report_on_system(runner, wanted, system, _REMARKS)
         return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
 
