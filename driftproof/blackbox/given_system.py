@@ -29,7 +29,7 @@ from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, Own
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.report import UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
@@ -49,8 +49,8 @@ from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
 
-# A step of this part of the own time shows slopes to half of it, besides the rounding of the state over it. Those of
-# another system are told by a thousandth of difference, four times as much; the comparison of steps sees the rest.
+# A step of this part of the system's own time shows its slopes, but for what the slopes given change in it and for the
+# rounding of the state over it. Those of another system differ by a thousandth at least: steps tell smaller errors.
 _SHORT, _ALIKE = 2.0**-12, 2.0**-10
 _TAKES_ONE = (
     "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
@@ -70,9 +70,10 @@ class NoClock(OwnSystem):
 
 # What would decide a question that is open.
 _MISSING = {
-    OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step",
+    OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
     LeftAtOne.kind: "a system that takes them besides y, for other values",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
+    "crashes": "a step that leaves its process alone",
     **NO_EVIDENCE,
 }
 
@@ -179,14 +180,15 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
                 yield found
 
 
-def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], unit: float) -> str:
-    """How short steps differ from these slopes; "" if they agree."""
+def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float) -> str:
+    """How short steps differ from these slopes of the system given; "" if they agree."""
     h = _SHORT * unit
     for y, told in slopes.items():
-        with suppress(Misbehaviour):
+        with suppress(Misbehaviour, ArithmeticError):
             seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, h)) - np.array(y)) / h
+            changed = np.abs(given.at(np.array(y) + h * told) - told).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
-            if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + rounded):
+            if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
                 shown = [", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told)]
                 return f"from ({shown[0]}) a short step goes as ({shown[1]}) times h, and it as ({shown[2]})"
     return ""
@@ -211,7 +213,7 @@ def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., 
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            if unlike := _unlike(reading, slopes, unit):
+            if unlike := _unlike(reading, slopes, each, unit):
                 far.append(unlike)
                 if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
                     break  # of an array that it takes; the size of vectors is a guess
@@ -286,13 +288,16 @@ def report_on_system(
     runner: IsolatedRunner,
     wanted: Specification,
     system: Callable[..., Any] | str,
-    remarks: Sequence[Callable[[ForeignStepper], Sequence[CheckResult]]],
+    others: Sequence[Callable[[ForeignStepper], Sequence[CheckResult]]],
 ) -> Report:
-    """The report of `verify` on a step that is held to a given system. Raises ValueError for wrong input."""
+    """The report of `verify` on a step that is held to a given system, which remarks on what `others` find.
+
+    Raises ValueError for wrong input.
+    """
     on = partial(partial, _of, wanted=wanted, system=system)
     asked: list[Probe] = [partial(steps_on_system, wanted=wanted, system=system), first_call_again]
-    asked += [on(ask=ask) for ask in (*_FURTHER.values(), *(partial(_checked, check=each) for each in remarks))]
-    first, again, *others = replies = runner.run(asked)
+    asked += [on(ask=ask) for ask in (*_FURTHER.values(), *(partial(_checked, check=each) for each in others))]
+    first, again, *found = replies = runner.run(asked)
     if first.kind == BadInput.kind:
         raise ValueError(first.seen)
     key, missing = wanted.method.key, _MISSING.get(first.kind or "", "")
@@ -300,27 +305,38 @@ def report_on_system(
     holds = first.result.holds if first.result else None if missing else False
     checks = [Criterion("Steps on the system given", holds, (words,), {}, missing)]
     if holds or first.kind in (LeftAtOne.kind, NoClock.kind):
-        checks += map(_criterion, _FURTHER, others)
+        checks += map(_criterion, _FURTHER, found)
     if again.result is not None:
         checks.append(_criterion(FIRST_CALL, again))
-    failed = [check for check in checks if check.passed is False]
-    told = [reply.result.words for reply in others if isinstance(reply.result, Remarked)]
-    told += [check.words for reply in others[len(_FURTHER) :] for check in reply.result or () if check.holds is False]
-    told = [f"remark: {each}" for each in told]
-    if not failed:
-        verdict = "; ".join([words, *told]) if holds else f"{UNDECIDED} whether it is {key}: {words}"
-    elif failed[0] is checks[0] or failed[0].title == FIRST_CALL:
-        verdict = f"is not {key}: {failed[0].lines[0]}"
-    else:
-        only = _ONLY.get(failed[0].title, ", but not everywhere")
-        verdict = f"is {key} on the system given{only}: {failed[0].lines[0]}"
-    passed = False if failed else holds
-    verdict = "; ".join(filter(None, [verdict, arithmetic_of(replies)]))
+    told = [reply.result.words for reply in found if isinstance(reply.result, Remarked)]
+    told += [check.words for reply in found[len(_FURTHER) :] for check in reply.result or () if check.holds is False]
+    passed, verdict = _verdict(key, checks)
+    remarks = [f"remark: {each}" for each in told if passed]
+    if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
+        verdict = f"{NO_ANSWER}: {words}"
+    verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
     parts, data = criteria_parts(checks, passed)
-    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": told if passed else []})
+    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": remarks})
+
+
+def _verdict(key: str, checks: Sequence[Criterion]) -> tuple[bool | None, str]:
+    """Whether a step passes, and what is said of it: the first that failed, or is open, if the step itself is right."""
+    first, *further = checks
+    again = [check for check in further if check.title == FIRST_CALL]
+    failed = [check for check in (first, *again, *further) if check.passed is False]
+    if failed and failed[0] in (first, *again):
+        return False, f"is not {key}: {failed[0].lines[0]}"
+    if failed:
+        only = _ONLY.get(failed[0].title, ", but not everywhere")
+        return False, f"is {key} on the system given{only}: {failed[0].lines[0]}"
+    if not first.passed:
+        return None, f"{UNDECIDED} whether it is {key}: {first.lines[0]}"
+    if unknown := [check for check in further if check.missing]:
+        return None, f"{UNDECIDED} whether it is {key}: {unknown[0].title.lower()}: {unknown[0].lines[0]}"
+    return True, first.lines[0]
 
 
 def _criterion(title: str, outcome: Outcome) -> Criterion:
-    """The criterion of a further question; one without an answer fails nothing."""
+    """The criterion of a further question, which is open if it is not known why it has no answer."""
     found = outcome.result or StepFinding(None, outcome.seen)
     return Criterion(title, found.holds, (found.words,), {}, _MISSING.get(outcome.kind or "", ""))

@@ -56,9 +56,9 @@ def verify(
     `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, or "boris" for a
     step in a magnetic field. The stepper is tried at `examples` floats from the `domain`; `allowance` adds to the
     bound. If it takes a force or a right-hand side, its coefficients are read, its steps of a nonlinear problem with t
-    are compared with the method's own, and its order is measured there. If its system is built in, only its steps of
-    q'' = -q are seen, and the verdict says no more. With a `system`, the f(t, y) or f(y) that it should have built in,
-    it is the method's steps on that with which its own are compared; y are its numbers in its own order.
+    are compared with the method's own, and its order is measured there. A built-in system is q'' = -q, one read from
+    short steps (then undecided), or the one given with `system`, f(t, y) or f(y): its steps are compared with the
+    method's steps on that system; y holds the step's numbers in the step's order, and `examples` has no effect.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -87,6 +87,7 @@ def verify(
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
         if system is not None:
+            _refuse_with_a_system(examples, domain, allowance)
             return report_on_system(runner, wanted, system, _REMARKS)
         return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
@@ -130,6 +131,17 @@ def assert_verified(
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
         warnings.warn(found.headline, RemarkWarning, stacklevel=2)
+
+
+def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -> None:
+    """Raise ValueError for what has no effect where a system is given."""
+    usual = replace(ORDINARY_DOMAIN, largest_step=domain.largest_step, largest_state=domain.largest_state)
+    plain = replace(NO_ALLOWANCE, solver_tolerance=allowance.solver_tolerance)
+    given = {"examples": examples} if examples != EXAMPLES else {}
+    for mine, other in ((domain, usual), (allowance, plain)):
+        given |= {name: x for name, x in vars(mine).items() if x != getattr(other, name)}
+    for name, x in given.items():
+        raise ValueError(f"{name}={x} has no effect with a system")
 
 
 def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:

@@ -211,8 +211,9 @@ def pair_text(numbers: tuple[float, ...]) -> str:
     return f"({', '.join(map(repr, numbers))})"
 
 
-# No decimals from here on are looked for: numbers of size 1000 have no more after the point.
-_DECIMALS = 12
+# No decimals from here on are looked for: numbers of size 1000 have no more after the point. Every double has so many
+# digits in all, which are 15.9.
+_DECIMALS, _DIGITS = 12, 15
 # With numbers down to 1/1000, more bits after the point than this are not those of a fixed point.
 _FIXED_POINT = 40
 # Floats have nearly all bits of their format as a rule, fixed-point numbers as many as fit: the last five bits of one
@@ -236,7 +237,9 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
         return None
     if all(x.is_integer() for x in numbers):
         return Quantisation(1.0, "answers are whole numbers")
-    decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
+    most = max(map(abs, numbers))
+    places = (k for k in range(1, _DECIMALS) if most * 10.0**k < 10.0**_DIGITS)
+    decimals = next((k for k in places if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {counted(decimals, 'decimal')}")
     last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from math import cos
+from math import cos, pi, sqrt
 from random import Random
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb
@@ -28,6 +29,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.records import parts_of
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting
+from driftproof.support.plain_text import counted
 
 # What rounding may cost is seen on the method's own step: it is made again so many times, with each number that f gets
 # and gives, and each that the step begins with, off at random by up to so many u, as after sums and products in a row.
@@ -35,15 +37,26 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKu
 # of all of them in their worst signs as long as they are fewer than some forty.
 _SAMPLES, _ROUNDED, _WORST = 8, 16, 4
 # A code that computes with larger numbers than f does, such as degrees above the absolute zero, rounds more than that.
-# Its own rounding shows as a difference from the method's step that jumps from state to state, however near these are;
-# a wrong number in it is the same in all of them. They are so many u apart: more than such a code rounds away, and so
-# little that what is wrong by the half of all digits changes by less than u.
-_NEIGHBOUR = 2.0**13
+# Its own rounding shows as a difference from the method's step that jumps from state to state, while what is wrong in
+# it hardly changes between states that agree in half of their digits.
 # Stages are iterated until they change by no more: far above the rounding of sums, and below the tolerance of solvers.
 _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
 # ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
 _FARTHER, _SMALL = 4, 2.0**-10
+
+
+class Beside(NamedTuple):
+    """The end of a step and that of the method's; how far it is off, and in words if that is too far, else "".
+
+    It is `rough` if its own rounding explains that, and that of the method's step does not.
+    """
+
+    end: list[float]
+    told: list[float]
+    off: float
+    wrong: str
+    rough: bool
 
 
 @dataclass(frozen=True)
@@ -64,6 +77,11 @@ class GivenSteps(OwnSteps):
     def slopes(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes, which nothing measures."""
         return self.rates(t, y)
+
+    @property
+    def _half(self) -> float:
+        """The root of u: what is known to it has half of its digits."""
+        return sqrt(self.subject.format.u)
 
     @cached_property
     def clock(self) -> str:
@@ -140,39 +158,46 @@ class GivenSteps(OwnSteps):
 
     def _jumps(self, method: Method, t: float, y: Sequence[float], h: float, off: Array, draw: Random) -> Array:
         """By how much the difference from the method's step jumps from a state to its neighbours."""
-        jumps, near = np.zeros(len(y)), _NEIGHBOUR * float(self.subject.format.u)
+        jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
         for _ in range(_SAMPLES):
-            z = [self._number(x * (1 + near * draw.uniform(-1, 1))) for x in y]
+            z = [self._number(x + self._half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
             jumps = np.maximum(jumps, np.abs(np.subtract(self.end(t, z, h), self.step(method, t, z, h)) - off))
         return jumps
 
-    def beside(self, wanted: Specification, t: float, y: Sequence[float], h: float) -> tuple[list[float], float, str]:
-        """The end of a step, how far it is off the method's, and that in words if it is too far; else "".
+    def beside(self, wanted: Specification, t: float, y: Sequence[float], h: float) -> Beside:
+        """One step beside the method's.
 
-        Raises ArithmeticError where the method has no step, or where rounding leaves less than half of its digits.
+        Raises ArithmeticError where the method has none, or where rounding leaves less than half of its digits.
         """
         method, draw = of_one_state(wanted.method), Random(0)
         with np.errstate(all="ignore"):
             told = self.step(method, t, y, h)
             ends = [self._rounded(method, t, y, h, draw) for _ in range(_SAMPLES)]
             allowed = _WORST * np.abs(np.subtract(ends, told)).max(axis=0)
-        some = float(self.subject.format.u) ** 0.5  # of which u is the half of the digits
         size = max(map(abs, (*y, *told)))
-        if not allowed.max() <= some * size:
-            raise ArithmeticError("rounding leaves few digits of it")
-        seen = [float(x) for x in self.end(t, y, h)]
+        if not allowed.max() <= self._half * size:
+            raise ArithmeticError("rounding leaves less than half of its digits")
         if not method.explicit:
             solved = BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
             allowed = allowed + _SETTLED * size + solved * (1 + size)
+        seen = [float(x) for x in self.end(t, y, h)]
         off = np.subtract(seen, told)
-        if not (np.abs(off) <= allowed).all():
+        right = rough = bool((np.abs(off) <= allowed).all())
+        if not right:
             with suppress(Misbehaviour, ArithmeticError):
                 jumps = _WORST * self._jumps(method, t, y, h, off, draw)
-                allowed = np.maximum(allowed, jumps) if jumps.max() <= some * size else allowed
-        apart = self._apart(y, seen, told)
-        right = (np.abs(off) <= allowed).all()
-        words = "" if right else f"a step of {h:g} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
-        return seen, apart, words + f" (t = {t:g})" * bool(words and t)
+                small = jumps.max() <= self._half * max(size, *map(abs, self.states[0]))
+                right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
+        at = f" at t = {t:g}" * bool(t)
+        wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
+        return Beside(seen, told, self._apart(y, seen, told), wrong * (not right), right and not rough)
+
+    def _whole_turns(self, t: float, one: Beside) -> bool:
+        """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
+        turns = np.subtract(one.end, one.told) / (2 * pi)
+        slopes, others = self.rates(t, one.end), self.rates(t, one.told)
+        same = np.allclose(slopes, others, self._half, self._half * max(map(abs, others)))
+        return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self._half)
 
     def near(self, wanted: Specification, about: str = "") -> StepFinding:
         """Compare steps of ordinary size with the method's; `about` is the system in words.
@@ -180,26 +205,25 @@ class GivenSteps(OwnSteps):
         Steps without an answer, and those that the method does not have, are left out. Raises MethodError if all are,
         or if slopes hardly change in the others.
         """
-        key, apart, bent, why = wanted.method.key, list[float](), 0.0, ""
-        turned = [tuple(x * (1 + cos(7 + 3 * k) / 4) for k, x in enumerate(y)) for y in self.states]
-        for t, share, y in product(self.times, COMPARED, [*self.states, *turned]):
+        found, bent, why = list[Beside](), 0.0, ""
+        # Besides the states at which the system was seen, as many near them, so that none fits by chance.
+        near = [tuple(x * (1 + cos(7 + 3 * k) / 4) for k, x in enumerate(y)) for y in self.states]
+        for t, share, y in product(self.times, COMPARED, [*self.states, *near]):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
-                end, off, wrong = self.beside(wanted, t, y, h)
-                bent = max(bent, h * self._apart(y, self.rates(t, y), self.rates(t + h, end)))
+                found.append(one := self.beside(wanted, t, y, h))
+                if one.wrong:
+                    return StepFinding(False, one.wrong)
+                bent = max(bent, h * self._apart(y, self.rates(t, y), self.rates(t + h, one.told)))
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
-                continue
-            if wrong:
-                return StepFinding(False, wrong)
-            apart.append(off)
         if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
-        pushed = ", its force asked with the velocity before each kick" * (
-            self.pushed and isinstance(of_one_state(wanted.method), Splitting)
-        )
-        near = f"to {max(apart):.0e}" if max(apart) else "to the last digit"
-        return StepFinding(True, f"is {key} on the system given{about}{pushed}, {near} in {len(apart)} steps")
+        asked = self.pushed and isinstance(of_one_state(wanted.method), Splitting)
+        pushed, off = ", its force asked with the velocity before each kick" * asked, max(one.off for one in found)
+        digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
+        rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
+        return StepFinding(True, f"is {wanted.method.key} on the system given{about}{pushed}, {digits}{rough}")
 
     def _elsewhere(self, wanted: Specification) -> Iterator[tuple[float, Sequence[float], float]]:
         """Yield steps (t, y, h) from small and from larger states, and longer ones, up to the largest of the domain."""
@@ -214,24 +238,27 @@ class GivenSteps(OwnSteps):
 
     def elsewhere(self, wanted: Specification) -> StepFinding:
         """Compare steps from small and large states, and long ones; None if none of them can be compared."""
-        states, steps, refused = list[float](), list[float](), list[str]()
+        states, steps, refused, turned = list[float](), list[float](), list[str](), False
         for t, y, h in self._elsewhere(wanted):
             try:
-                _, _, wrong = self.beside(wanted, t, y, h)
+                one = self.beside(wanted, t, y, h)
+                turned |= (turns := one.wrong != "" and self._whole_turns(t + h, one))
             except Misbehaviour as error:
                 refused.append(str(error))
             except ArithmeticError:
                 pass
             else:
-                if wrong:
-                    return StepFinding(False, wrong)
+                if one.wrong and not turns:
+                    return StepFinding(False, one.wrong)
                 states.append(max(map(abs, y)))
                 steps.append(h)
-        without = f"{len(refused)} have no answer: {refused[0]}" if refused else ""
-        if not steps:
-            return StepFinding(None, without or f"{wanted.method.key} has no steps with half of their digits there")
-        reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
-        return StepFinding(True, "; ".join(filter(None, [f"{len(steps)} steps agree, {reach}", without])))
+        told = [f"no answer to {counted(len(refused), 'step')} elsewhere: {refused[0]}"] if refused else []
+        told += ["angles come back without whole turns"] if turned else []
+        if steps:
+            reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
+            told += [f"{counted(len(steps), 'step')} elsewhere agree, {reach}"]
+        words = "; ".join(told) or f"{wanted.method.key} has no steps with half of their digits elsewhere"
+        return (Remarked if refused or turned else StepFinding)(steps != [] or None, words)
 
     def back(self, wanted: Specification) -> StepFinding:
         """Compare steps with h < 0, as `steps_back` does of q'' = -q."""
@@ -240,15 +267,13 @@ class GivenSteps(OwnSteps):
         h, found = -min(self.unit * COMPARED[0], wanted.domain.largest_step), 0
         for t, y in product(self.times, self.states):
             try:
-                end, _, wrong = self.beside(wanted, t, y, h)
+                one = self.beside(wanted, t, y, h)
             except Misbehaviour as error:
                 return StepFinding(None, f"h < 0 is refused: {error}")
             except ArithmeticError:
                 continue
-            if wrong and [*end] == [*y]:
-                return Remarked(None, NOT_BACK)
-            if wrong:
-                return StepFinding(False, wrong)
+            if one.wrong:
+                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.wrong)
             found += 1
         return StepFinding(found > 0 or None, f"{found} steps with h < 0 agree")
 
@@ -259,9 +284,13 @@ class GivenSteps(OwnSteps):
         steps, y, seen = replace(self, subject=subject), [*self.states[-1]], list[tuple[float, ...]]()
         h, t = min(self.unit * COMPARED[0], wanted.domain.largest_step), 0.0
         for nudge in nudges:
-            y, _, wrong = steps.beside(wanted, t, [self._number(nudge * x) for x in y], h)
-            if wrong:
-                return wrong, seen
+            try:
+                one = steps.beside(wanted, t, [self._number(nudge * x) for x in y], h)
+            except ArithmeticError:  # the method has no step there
+                break
+            if one.wrong:
+                return one.wrong, seen
+            y = one.end
             seen.append(tuple(y))
             t += h * (self.times == TIMES)  # which the clock of a record returned shows
         if wanted.method.explicit and self.clock:  # which goes back as well
@@ -279,6 +308,7 @@ class GivenSteps(OwnSteps):
         adapter = ARRAYS if subject.adapter is SCALARS else subject.adapter
         first = replace(
             adapter,
+            name=f"the first of {adapter.name}",
             write=lambda numbers: adapter.write([*numbers, *rest]),
             read=lambda value, size: adapter.read(value, size + len(rest))[:size],
         )

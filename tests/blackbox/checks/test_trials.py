@@ -103,6 +103,9 @@ def test_small_numbers_with_as_many_bits_as_large_ones_are_those_of_a_format(bit
     assert (grain and grain.size) == size
     assert trials.quantisation_of([2.0**23, -(2.0**1000)]) is None  # whole, as every float of such a size
     assert trials.quantisation_of([2.0**23 - 1, -(2.0**40)]).size == 1
+    assert (
+        trials.quantisation_of([x * 1e5 for x in STATES]) is None
+    )  # with eleven decimals, as every float of such a size
 
 
 def test_a_narrower_format_is_seen_in_the_numbers():
