@@ -157,7 +157,7 @@ class GivenSteps(OwnSteps):
         return off(unsure.step(method, t, off(y), h))
 
     def _jumps(self, method: Method, t: float, y: Sequence[float], h: float, off: Array, draw: Random) -> Array:
-        """By how much the difference from the method's step jumps from a state to its neighbours."""
+        """The largest jump of the difference from the method's step, from a state to its neighbours."""
         jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
         for _ in range(_SAMPLES):
             z = [self._number(x + self._half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
