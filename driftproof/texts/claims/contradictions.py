@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from functools import cache
 from itertools import product
@@ -190,6 +190,16 @@ def methods_named(text: str) -> set[str]:
     found = [keys for _, keys in _named(text)]
     sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
     return sure.union(*(keys & sure or keys for keys in found))
+
+
+def methods_in_full(text: str) -> set[str]:
+    """The keys of the methods that the lower-case text names by a name of no other method."""
+    return set[str]().union(*(keys for _, keys in _named(text) if len(keys) == 1))
+
+
+def is_one_name(keys: Collection[str]) -> bool:
+    """True if these are the keys of the methods that one name, such as midpoint, may mean."""
+    return {*keys} in _names().values()
 
 
 def methods_asked(question: str) -> set[str]:

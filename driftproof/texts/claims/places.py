@@ -66,6 +66,13 @@ _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
+# Words of a change, which is one of the energy if that is spoken of.
+_CHANGED = re.compile(
+    r"\b(?:grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\w+|rises?|rose|risen|drift\w*|"
+    r"f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\w*|which is|that is|i\.e\.)\b(?:[^.;:]|\.\d){0,30}\Z"
+)
+# The change of each step, which is that of the first one where all are alike.
+PER_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
@@ -180,11 +187,11 @@ def asked_quantity(question: str) -> tuple[str, str]:
     if " : " not in question:
         return "fact", ""
     if question.startswith("percent("):
-        return "percent" if "relative_error" in question else "share", ""
+        return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
     if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_").removeprefix("position_"), ""
-    if readout in ("energy", "energy_change"):
-        return "energy", ""
+    if readout in ("energy", "energy_change", "relative_energy_change"):
+        return "relative_energy" if readout[0] == "r" else "energy", ""
     if kind[:1] == "k":
         return kind, ""
     if kind == "error":
@@ -238,10 +245,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
-        of_other = more["percent"] and (
-            quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+        of_energy = more["percent"] and (
+            quantity in ("energy", "relative_energy")
+            or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+            or (not (quantity or row) and _CHANGED.search(before) and _says_energy(before, text, start))
         )
-        quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
+        quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
+    if quantity == "part_of_energy" and PER_STEP.match(text, end) and "h" in settings:
+        settings["t"], near, sure = settings["h"], near | {"t"}, False
     if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
         settings["t"], near = Fraction(0), near | {"t"}
     if (
@@ -281,6 +292,12 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
     return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own), of_solution)
+
+
+def _says_energy(before: str, text: str, start: int) -> bool:
+    """True if the last quantity of the sentence so far, or else of the one before it, is the energy."""
+    said = [*QUANTITY.finditer(before)] or [*QUANTITY.finditer(sentence_before(text, start))]
+    return bool(said) and said[-1].lastgroup in ("energy", "relative_energy")
 
 
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
@@ -328,7 +345,7 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if text.startswith(" after ", end) else []
+        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if re.match(r"(?: ?%)? after ", text[end:]) else []
         taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
         taken = [] if near["t"] else taken
     if taken and "h" in settings:

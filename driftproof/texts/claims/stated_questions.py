@@ -12,6 +12,7 @@ from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.places import PER_STEP
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
@@ -19,7 +20,7 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS, _MOST_LATE = 10_000, 3, 2, 24, 4
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _LIST = rf"{NUMBER}(?:(?:,? (?:and |or )?|,){NUMBER})*"
 _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
@@ -86,6 +87,7 @@ def _questions(
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
+    after |= {1} if problem.energy and PER_STEP.search(part.lower()) else set()
     with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
     after |= {1} if with_slopes else set()
     after |= {n for n in map(int, rows) if n}
@@ -109,19 +111,22 @@ def _questions(
     read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
-    runs = list[tuple[Fraction, list[Fraction]]]()
-    for h in sizes[::-1][:_MOST_SIZES] if named else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and many * t / h <= left]
+    runs, late = list[tuple[Fraction, list[Fraction]]](), list[tuple[Fraction, list[Fraction]]]()
+    longer = [*dict.fromkeys(n for n in said if _MOST_TIMES <= n < _MOST_COUNTED)][:_MOST_LATE]
+    for into, h in product((runs, late), sizes[::-1][:_MOST_SIZES] if named else ()):
+        ends_of = times if into is runs else [n * h for n in longer if n * h not in times]
+        fitting = [t for t in ends_of if (t / h).denominator == 1 and many * t / h <= left]
         if fitting := fitting[-_MOST_TIMES:]:
-            left -= many * fitting[-1] / h
-            runs.append((h, fitting))
+            left -= many * max(fitting) / h
+            into.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             for methods in named:
                 yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
                 if problem.energy:
-                    conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                    yield f"run {methods} {conserved} : {{energy,energy_change}}"
-                    yield f"abs(run {methods} {conserved} : energy_change)"
+                    conserved = f"run {methods} {equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
+                    changes = ["energy_change", *["relative_energy_change"] * ("%" in part or "relative" in part)]
+                    yield f"{conserved} : {{energy,{','.join(changes)}}}"
+                    yield from (f"abs({conserved} : {change})" for change in changes)
             if chosen and with_slopes:
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"

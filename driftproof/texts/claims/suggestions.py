@@ -79,7 +79,7 @@ class Suggestions(LookAlikes):
         if number.is_worded:
             own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
             return {fact: own[0]} if fact and own and number.text not in own else {}
-        found, written = dict[str, str](), self.values.written(form_of(number))
+        found, written = dict[str, str](), self.values.written(form_of(number, self.text))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
@@ -96,6 +96,7 @@ class Suggestions(LookAlikes):
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
+                    of_other |= bool(known.keys) and known.keys <= self._not_meant
                     if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
