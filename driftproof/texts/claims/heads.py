@@ -7,8 +7,8 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import SETTING, TIME_UNIT, methods_named, spoken_names
-from driftproof.texts.readers.number_words import COUNT_GIVEN
+from driftproof.texts.claims.contradictions import SETTING, methods_named, spoken_names
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
 OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"

@@ -21,6 +21,7 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     sentence_around,
     sentence_before,
+    with_names_settled,
 )
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.known_values import KnownValue
@@ -95,7 +96,12 @@ class LookAlikes(NamedPlaces):
 
     def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
         fits = self._fits(number)
-        form, found, digits, ids = form_of(number, self.text), [], len(digits_of(number.text, telling=True)), published_values()
+        form, found, digits, ids = (
+            form_of(number, self.text),
+            [],
+            len(digits_of(number.text, telling=True)),
+            published_values(),
+        )
         percent = self.text.startswith(("%", " %"), number.end)
         possible = [
             k
@@ -176,11 +182,12 @@ class LookAlikes(NamedPlaces):
         return fact_of(fact, methods) if fact and len(methods) == 1 else None
 
     def _said_around(self, number: TextNumber) -> tuple[str, str]:
-        """The sentence before and after the number; the method of the one before in place of "it"."""
+        """The sentence before and after the number; the method before in place of "it", and the one meant."""
         before, after = sentence_around(self._lower, number.start, number.end)
         subject = re.sub(r"\A\s*(?:in [^,]{1,40}, )?(?:the )?", "", sentence_before(self._lower, number.start))
         name = names_in_order(subject)[0] if begins_with_method(subject) else ""
-        return re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before, after
+        before = re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before
+        return with_names_settled(before, self._settled[0]), with_names_settled(after, self._settled[0])
 
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""

@@ -75,35 +75,36 @@ class NamedPlaces:
         return found
 
     def _place_of(self, number: TextNumber) -> Place:
-        place = self._unsettled(number)
-        return replace(place, methods=self._meanings.get(place.methods, place.methods))
+        place, (meanings, undecided) = self._unsettled(number), self._settled
+        methods = frozenset[str]() if number.start in undecided else meanings.get(place.methods, place.methods)
+        return replace(place, methods=methods)
 
     @cached_property
-    def _meanings(self) -> dict[frozenset[str], frozenset[str]]:
-        """Of a name such as midpoint, as the methods that it may mean, the one that alone has what any of them has."""
+    def _settled(self) -> tuple[dict[frozenset[str], frozenset[str]], set[int]]:
+        """Of a name such as midpoint, as the methods that it may mean, the one that has the numbers there.
+
+        It has three times as many as only another one has, which are undecided; if it has fewer, no method is meant.
+        """
         has = defaultdict[frozenset[str], dict[str, set[int]]](lambda: defaultdict(set))
         for number in self._numbers if self.values.stated else ():
             place = self._unsettled(number)
             if len(place.methods) > 1 and len(digits_of(number.text)) > 2 and is_one_name(place.methods):
-                for known in self.values.written_like(number):
-                    if (
-                        known.stated
-                        and known.keys
-                        and known.keys < place.methods
-                        and place.means(known.question, known.keys)
-                    ):
+                for known in (x for x in self.values.written_like(number) if x.stated and x.keys):
+                    if known.keys < place.methods and place.means(known.question, known.keys):
                         has[place.methods][min(known.keys)].add(number.start)
-        most = {of: max(numbers, key=lambda key, numbers=numbers: len(numbers[key])) for of, numbers in has.items()}
-        return {
-            of: frozenset({most[of]})
-            for of, numbers in has.items()
-            if all(numbers[key] < numbers[most[of]] for key in numbers if key != most[of])
-        }
+        meanings, undecided = dict[frozenset[str], frozenset[str]](), set[int]()
+        for of, numbers in has.items():
+            key, own = max(numbers.items(), key=lambda one: len(one[1]))
+            rest = set[int]().union(*numbers.values()) - own
+            if [*numbers.values()].count(own) == 1:
+                meanings[of] = frozenset({key} if len(own) >= 3 * len(rest) else ())
+                undecided |= rest
+        return meanings, undecided
 
     @cached_property
     def _not_meant(self) -> set[str]:
         """The methods that names of the text may mean, but do not."""
-        others = {key for of, meant in self._meanings.items() for key in of - meant}
+        others = {key for of, meant in self._settled[0].items() for key in of - meant}
         return others - methods_in_full(self._lower) if others else others
 
     def _unsettled(self, number: TextNumber) -> Place:
@@ -196,11 +197,15 @@ class NamedPlaces:
 
     def says_percent_of_error(self, number: TextNumber) -> bool:
         """True for a percentage that its sentence says to be an error, or of the energy, at a time that it gives."""
-        place, (before, after) = self._place_of(number), sentence_around(self._lower, number.start, number.end)
+        place = self._place_of(number)
         if place.quantity == "part_of_energy":
-            return "t" in place.near
-        is_error = _ERROR.search(before) or _OFF.match(after)
-        return place.quantity == "percent" and place.sure and "t" in place.near and is_error is not None
+            return place.sure or "t" in place.near
+        return place.quantity == "percent" and place.sure and "t" in place.near and self.says_error(number)
+
+    def says_error(self, number: TextNumber) -> bool:
+        """True if the sentence says that a percentage is an error."""
+        before, after = sentence_around(self._lower, number.start, number.end)
+        return _ERROR.search(before) is not None or _OFF.match(after) is not None
 
     def only_meant(self, number: TextNumber) -> KnownValue | None:
         """The one value of a stated problem that the number's place names and that is spelled like it."""

@@ -12,7 +12,6 @@ from driftproof.texts.claims.contradictions import (
     LISTED_NUMBER,
     POSITIVE,
     SETTING,
-    TIME_UNIT,
     begins_with_method,
     last_methods_named,
     methods_asked,
@@ -35,7 +34,7 @@ from driftproof.texts.claims.heads import (
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
@@ -60,17 +59,19 @@ _SIZES = re.compile(
 _JOINED = r"(?:, (?:and )?| and | to )"
 # A time is also given by the value of an unknown then, as in y(1).
 _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
-_TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
+_TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the solution's column beside those of methods.
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
 # Words of a change, which is one of the energy if that is spoken of.
-_CHANGED = re.compile(
-    r"\b(?:grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\w+|rises?|rose|risen|drift\w*|"
-    r"f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\w*|which is|that is|i\.e\.)\b(?:[^.;:]|\.\d){0,30}\Z"
+_CHANGES = (
+    "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
+    "drift\\w*|f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\\w*"
 )
+_CHANGED = re.compile(rf"\b(?:{_CHANGES}|which is|that(?: is|'s)|i\.e\.)\b(?:[^.;:]|\.\d){{0,30}}\Z")
+_E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 PER_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 _AT_START = re.compile(
@@ -219,6 +220,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     label = QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
     told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
     quantity, name = told.lastgroup if told else "state" if head else None, None
+    if not (quantity or row) and _E_CHANGED.search(before):
+        quantity = "energy"
     of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
@@ -247,7 +250,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         of_energy = more["percent"] and (
             quantity in ("energy", "relative_energy")
-            or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+            or re.match(r" ?% of (?:the|its) (?:\w+ ){0,3}energy", text[end:])
             or (not (quantity or row) and _CHANGED.search(before) and _says_energy(before, text, start))
         )
         quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
@@ -263,6 +266,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "observed_order"
     if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
+    elif not {"e", "h"} & {*unknowns} and [cell.head_written for cell in row if cell.start <= start][-1:] in (
+        ["E"],
+        ["H"],
+    ):
+        quantity, name = "energy", None
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
     elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
@@ -295,9 +303,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
 
 
 def _says_energy(before: str, text: str, start: int) -> bool:
-    """True if the last quantity of the sentence so far, or else of the one before it, is the energy."""
-    said = [*QUANTITY.finditer(before)] or [*QUANTITY.finditer(sentence_before(text, start))]
-    return bool(said) and said[-1].lastgroup in ("energy", "relative_energy")
+    """True if the last quantity of the sentence so far, or of the one before that says what "it" is, is the energy."""
+    said = [*QUANTITY.finditer(before)]
+    if not said and re.search(r"\bit\b", before):
+        said = [*QUANTITY.finditer(before := sentence_before(text, start) + before)]
+    is_energy = bool(said) and said[-1].lastgroup in ("energy", "relative_energy")
+    return is_energy and not re.search(
+        r"\b(?:amplitude|radius|phase|period|speed|height|angle)\b", before[said[-1].end() :]
+    )
 
 
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
@@ -331,6 +344,7 @@ def _settings(
         )
         if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
             beside = None if text[end : end + 1] == "," else beside
+        said = said or (durations(before) if x == "t" else [])
         said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said

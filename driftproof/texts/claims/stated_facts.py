@@ -58,7 +58,7 @@ _EVALUATIONS = re.compile(
 _EACH = re.compile(r"\bevaluations?\b[^.;]{0,40}\b(?:per|each|every) step\b")
 _VERBS = (
     "(?: has| have| is| needs| takes| makes| uses| used| costs?| requires)?"
-    "(?: has| used| only| just| exactly| already| a| an)* ?"
+    "(?: has| used| only| just| exactly| already| a| an)*(?: \\w+ steps and)? ?"
 )
 
 
