@@ -81,9 +81,9 @@ class NamedPlaces:
 
     @cached_property
     def _settled(self) -> tuple[dict[frozenset[str], frozenset[str]], set[int]]:
-        """Of a name such as midpoint, as the methods that it may mean, the one that has the numbers there.
+        """The one method that has the numbers beside a name such as midpoint, by all that the name may mean.
 
-        It has three times as many as only another one has, which are undecided; if it has fewer, no method is meant.
+        It has three times as many as only another one has, which are undecided; if none has, no method is meant.
         """
         has = defaultdict[frozenset[str], dict[str, set[int]]](lambda: defaultdict(set))
         for number in self._numbers if self.values.stated else ():

@@ -73,7 +73,7 @@ _CHANGES = (
 _CHANGED = re.compile(rf"\b(?:{_CHANGES}|which is|that(?: is|'s)|i\.e\.)\b(?:[^.;:]|\.\d){{0,30}}\Z")
 _E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
-PER_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
+OF_EACH_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
@@ -254,7 +254,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             or (not (quantity or row) and _CHANGED.search(before) and _says_energy(before, text, start))
         )
         quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
-    if quantity == "part_of_energy" and PER_STEP.match(text, end) and "h" in settings:
+    if quantity == "part_of_energy" and OF_EACH_STEP.match(text, end) and "h" in settings:
         settings["t"], near, sure = settings["h"], near | {"t"}, False
     if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
         settings["t"], near = Fraction(0), near | {"t"}

@@ -136,7 +136,7 @@ def fact_said(
     if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
-        return fact_of("limit_at_infinity", last_methods_named(before))
+        return fact_of("limit_at_infinity", own or last_methods_named(before))
     flat = re.sub("[-\n]", " ", before)
     has = r"(?::|,| has| is| have)?(?: a (?:\w+ )?method)?(?: (?:of|the|a))*"
     found = _behind_name(rf"{has} +order (?:is |= ?)?").search(flat)

@@ -14,7 +14,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.contradictions import SETTING, STARTING, methods_named
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS
-from driftproof.texts.claims.places import PER_STEP
+from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
@@ -90,7 +90,7 @@ def _questions(
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
-    after |= {1} if problem.energy and PER_STEP.search(part.lower()) else set()
+    after |= {1} if problem.energy and OF_EACH_STEP.search(part.lower()) else set()
     with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
     after |= {1} if with_slopes else set()
     after |= {n for n in map(int, rows) if n}

@@ -53,6 +53,7 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         (f"{LIMITS}| RK4 | [0.0557] |", "real_limit rk4 / 50", None),
         (f"{LIMITS}| RK4 | [0.0577] |", "real_limit rk4 / 50", "0.0557"),
         (f"{LIMITS}| RK4 | ≤ [0.05] |", "real_limit rk4 / 50", None),  # cut off
+        ("R(z) tends to R(∞) = [1] for the trapezoidal rule.", "limit_at_infinity trapezoid", "-1"),
         (f"{LIMITS}| implicit Euler | [0.05] |", "real_limit backward_euler / 50", None),
         ("On x'' = -10x, RK4 explodes for dt > [0.8944].", "imaginary_limit rk4 / sqrt(10)", None),
         ("RK4 with h = 0.2 takes 10 steps and [44] evaluations.", "10*evaluations_per_step rk4", "40"),
