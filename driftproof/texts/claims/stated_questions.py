@@ -101,6 +101,8 @@ def _questions(
     known = multistep | {*METHODS}
     named_anywhere = methods_named(text.lower()) & known  # Verlet's method is that which has its whole name elsewhere
     spoken = methods_named(part.lower()) & named_anywhere or named_anywhere
+    if "explicit" in text.lower() and "implicit" not in text.lower():
+        spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
     chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
     many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
     named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
