@@ -23,6 +23,7 @@ from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
+    ZERO,
     EnclosedStep,
     Expansion,
     Weights,
@@ -129,6 +130,7 @@ class _Path:
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | Window | None = None
         self.weights: Weights | None = None
+        self.coupled = 0.0
         self.lengths, self.longest, self.changes = list[Fraction](), LONGEST_STEP, list[Fraction]()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
@@ -159,7 +161,8 @@ class _Path:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
             self.weights = balanced(jacobian, [arb(1)] * len(error))
-        expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights)
+            self.coupled = sum(x is not ZERO for row in jacobian for x in row) / len(error)
+        expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights, self.coupled)
         before = self.step
         try:
             self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))
