@@ -68,7 +68,7 @@ def _compares(name: str) -> Callable[[Enclosed, object], Any]:
 
 
 # The derivative of a component with respect to itself; a factor is not multiplied by it.
-ONE = arb(1)
+OWN_SLOPE = arb(1)
 
 
 def _summed(x: Mapping[int, Value] | None, y: Mapping[int, Value] | None) -> Mapping[int, Value] | None:
@@ -77,7 +77,7 @@ def _summed(x: Mapping[int, Value] | None, y: Mapping[int, Value] | None) -> Map
 
 
 def _times(x: Mapping[int, Value], factor: Value) -> Mapping[int, Value]:
-    return {j: factor if d is ONE else factor * d for j, d in x.items()}
+    return {j: factor if d is OWN_SLOPE else factor * d for j, d in x.items()}
 
 
 class Enclosed:

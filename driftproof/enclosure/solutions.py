@@ -22,8 +22,8 @@ from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, S
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
+    NO_SLOPE,
     SHORTEST_PART,
-    ZERO,
     EnclosedStep,
     Expansion,
     Weights,
@@ -161,7 +161,7 @@ class _Path:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
             self.weights = balanced(jacobian, [arb(1)] * len(error))
-            self.coupled = sum(x is not ZERO for row in jacobian for x in row) / len(error)
+            self.coupled = sum(x is not NO_SLOPE for row in jacobian for x in row) / len(error)
         expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights, self.coupled)
         before = self.step
         try:

@@ -27,7 +27,7 @@ from driftproof.enclosure.double_balls import DoubleBalls, convolved, derivative
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Replay
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import ONE, Enclosed, series, size
+from driftproof.enclosure.numbers import OWN_SLOPE, Enclosed, series, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
@@ -47,7 +47,7 @@ SHORTEST_PART = Fraction(1, 2**40)
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
 # Sweeps to balance the weights. A few suffice even for the first step; others begin with the weights of the one before.
 SWEEPS = 2
-ZERO = arb(0)
+NO_SLOPE = arb(0)
 _EFFORT = ContextVar("part of the steps that are allowed", default=1.0)
 
 # The weights d of the norm |e| = max |e_i|/d_i, each a power of two.
@@ -301,7 +301,7 @@ class Expansion:
         """The matrix with entry (i, j) times (d_j/d_i)^power; this is exact, as the weights are powers of two."""
         d = self.weights
         return [
-            [x * (d[j] / d[i]) ** power if x is not ZERO and d[i] != d[j] else x for j, x in enumerate(row)]
+            [x * (d[j] / d[i]) ** power if x is not NO_SLOPE and d[i] != d[j] else x for j, x in enumerate(row)]
             for i, row in enumerate(rows)
         ]
 
@@ -342,14 +342,14 @@ def _slopes_that_pay(coupled: float, length: int) -> int:
 
 
 def _entries(rows: Sequence[Sequence[Any]]) -> list[tuple[int, int, Any]]:
-    """Row, column and value of the entries that are not ZERO."""
-    return [(i, j, x) for i, row in enumerate(rows) for j, x in enumerate(row) if x is not ZERO]
+    """Row, column and value of the entries that are not NO_SLOPE."""
+    return [(i, j, x) for i, row in enumerate(rows) for j, x in enumerate(row) if x is not NO_SLOPE]
 
 
 def _coefficient(value: Any, k: int) -> arb:
     """Coefficient k of a series or a model, or of a constant."""
     if isinstance(value, arb):
-        return value if k == 0 else ZERO
+        return value if k == 0 else NO_SLOPE
     return value.coefficient(k) if isinstance(value, TaylorModel) else arb(value[k])
 
 
@@ -358,11 +358,11 @@ def linearised(
 ) -> tuple[list[Any], list[list[Any]]]:
     """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls.
 
-    Entries are ZERO where a rate does not depend on a component.
+    Entries are NO_SLOPE where a rate does not depend on a component.
     """
-    state = [Enclosed(time.evaluation, value, {j: ONE} if slopes else None) for j, value in enumerate(y)]
+    state = [Enclosed(time.evaluation, value, {j: OWN_SLOPE} if slopes else None) for j, value in enumerate(y)]
     rates = enclosed_rates(f, time, state)
-    rows = [[(rate.partials or {}).get(j, ZERO) for j in range(len(y))] for rate in rates]
+    rows = [[(rate.partials or {}).get(j, NO_SLOPE) for j in range(len(y))] for rate in rates]
     return [rate.value for rate in rates], rows
 
 

@@ -108,7 +108,7 @@ class LinearSystem:
         return all(self.part_is_bounded(eigenvalue, h) for eigenvalue, _ in self.bounds)
 
     def stiffest(self) -> list[Eigenvalue]:
-        """Those eigenvalues of A of which no other one is known to be larger in modulus."""
+        """The eigenvalues of A of which no other one is known to be larger in modulus."""
         sizes = [(e, abs(ball_of(e))) for e, _ in self.bounds]
         return [e for e, size in sizes if not any(other > size for _, other in sizes)]
 
