@@ -160,7 +160,9 @@ class _Path:
         if self.weights is None:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
-            self.weights = balanced(jacobian, [arb(1)] * len(error))
+            self.weights = [arb(1)] * len(error)
+            if self.step is None:  # behind a kink that is left from rest, derivatives may be tiny
+                self.weights = balanced(jacobian, self.weights)
             self.coupled = sum(x is not NO_SLOPE for row in jacobian for x in row) / len(error)
         expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights, self.coupled)
         before = self.step
