@@ -60,22 +60,13 @@ def verify(
 ) -> Report:
     """Verify that a float stepper is `method`: on q'' = -q to the method's any-order rounding bound, and elsewhere.
 
-<<<<<<< HEAD
-    `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, or "boris" for a
-    step in a magnetic field. The stepper is tried at `examples` floats from the `domain`; `allowance` adds to the
-    bound. If it takes a force or a right-hand side, its coefficients are read, its steps of a nonlinear problem with t
-    are compared with the method's own, and its order is measured there. A built-in system is q'' = -q, one read from
-    short steps (then undecided), or the one given with `system`, f(t, y) or f(y): its steps are compared with the
-    method's steps on that system; y holds the step's numbers in the step's order, and `examples` has no effect.
-=======
     `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, "boris" for a
     step in a magnetic field, or "abm4" for Adams-Bashforth-Moulton (PECE) of order 4. The stepper is tried at
     `examples` floats from the `domain`; `allowance` adds to the bound. If it takes a force or a right-hand side, its
     coefficients are read, its steps of a nonlinear problem with t are compared with the method's own, and its order is
-    measured there. If its system is built in, only its steps of q'' = -q are seen, and the verdict says no more. With a
-    `system`, the f(t, y) or f(y) that it should have built in, it is the method's steps on that with which its own are
-    compared; y are its numbers in its own order.
->>>>>>> main
+    measured there. A built-in system is q'' = -q, one read from short steps (then undecided), or the one given with
+    `system`, f(t, y) or f(y): its steps are compared with the method's steps on that system; y holds the step's numbers
+    in the step's order, and `examples` has no effect.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
