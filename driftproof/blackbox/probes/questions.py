@@ -11,11 +11,10 @@ from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
-from driftproof.blackbox.probes.scripted_answers import REMEMBERS, NotReadable, Rounding, unit
+from driftproof.blackbox.probes.scripted_answers import NotReadable, Remembers, Rounding, unit
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 
 _OF_ONE = "one number shows the stability function only; a step that takes an array of them shows its stages"
@@ -59,10 +58,11 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
         try:
             reading = read_implicit_forces(subject)
         except NotReadable as second:
-            if str(refusal).endswith(REMEMBERS):
+            if isinstance(refusal, Remembers):
                 owner = type(subject.function.__self__) if inspect.ismethod(subject.function) else None
                 raise NotReadable(f"{refusal}{f'; write{wrapper_line(owner)}' if owner else ''}") from None
-            raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
+            both, adaptive = f"{refusal}; as one with implicit stages: {second}", refusal.adaptive or second.adaptive
+            raise NotReadable(both, adaptive=adaptive) from None
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 
 
@@ -83,7 +83,7 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
 
 def _require_inertia(subject: ForeignStepper) -> None:
     """Raise NotReadable unless each component of a vector keeps its velocity without a force: probes see only one."""
-    numbers = TOGETHER.get(subject.adapter.name, 0)
+    numbers = subject.adapter.together
     allowed = Rounding(subject.format, numbers).of(1.0)
     for i in range(numbers):
         v = unit(numbers, i)
@@ -102,4 +102,6 @@ def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> 
             raise refusal from None
         with suppress(NotReadable, Misbehaviour, UnsupportedCall):  # of a step of one number
             return replace(read_forces(subject), refused=str(refusal))
-        raise NotReadable(f"{refusal}; as one with implicit stages: {_OF_ONE if subject.single else second}") from None
+        other = NotReadable(_OF_ONE) if subject.single else second
+        both, adaptive = f"{refusal}; as one with implicit stages: {other}", refusal.adaptive or other.adaptive
+        raise NotReadable(both, adaptive=adaptive) from None
