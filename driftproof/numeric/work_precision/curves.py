@@ -71,8 +71,8 @@ class Order:
     slopes: int
 
 
-class Judged(Enum):
-    """How a measured order differs from the claim: not, or one is missing; in which way; or by an open range."""
+class Against(Enum):
+    """How a measured order stands against the claim; AGREES also if one of them is missing."""
 
     AGREES, BELOW, ABOVE, NOT_SETTLED = "", "below", "above", "not settled"
 
@@ -109,11 +109,11 @@ class Curve:
     @property
     def verdict(self) -> str:
         """How the measured order differs from the claim, in words; "" if it does not."""
-        differs = f" the claimed order {self.claimed_order}" * (self.judged in (Judged.BELOW, Judged.ABOVE))
-        return self.judged.value + differs
+        differs = f" the claimed order {self.claimed_order}" * (self.against in (Against.BELOW, Against.ABOVE))
+        return self.against.value + differs
 
     @property
-    def judged(self) -> Judged:
+    def against(self) -> Against:
         """How the measured order differs from the claim: not if they agree to the nearest integer, or one is missing.
 
         Slopes that lie a whole order apart contradict no claim: they are "not settled", and so are fewer than SLOPES.
@@ -122,15 +122,15 @@ class Curve:
         """
         found = self.order
         if found is None or not self.claimed_order:
-            return Judged.AGREES
+            return Against.AGREES
         fell = [a + b for a, b in pairwise(self._slopes[: -found.slopes]) if a + b > 2 * self.claimed_order - 1]
         if found.largest - found.least >= 1 or (fell and self.consistent and found.largest < STAYS):
-            return Judged.NOT_SETTLED
+            return Against.NOT_SETTLED
         if round(found.median) == self.claimed_order:
-            return Judged.AGREES
+            return Against.AGREES
         if found.slopes < SLOPES:
-            return Judged.NOT_SETTLED
-        return Judged.BELOW if found.median < self.claimed_order else Judged.ABOVE
+            return Against.NOT_SETTLED
+        return Against.BELOW if found.median < self.claimed_order else Against.ABOVE
 
 
 def counts(point: Point) -> bool:

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Curve, Judged, Point, lasting
+from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
@@ -26,7 +26,7 @@ from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, COMPILED: "compiled", PYTHON: "Python", ENSEMBLE: "ensemble, per state"}
 # Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
-_EXPLAINED = {"order reduction": (Judged.BELOW,), KINKED: (Judged.BELOW, Judged.NOT_SETTLED)}
+_EXPLAINED = {"order reduction": (Against.BELOW,), KINKED: (Against.BELOW, Against.NOT_SETTLED)}
 # Characters of a step size that is shown as a fraction.
 _LONGEST_STEP = 12
 _Key = TypeVar("_Key")
@@ -228,7 +228,7 @@ def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] 
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
-        reduced = f": {reduces}" * (curve.judged in _EXPLAINED.get(reduces, ()))
+        reduced = f": {reduces}" * (curve.against in _EXPLAINED.get(reduces, ()))
         least = _least_error(curve)
         rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
