@@ -155,7 +155,7 @@ class Outcome:
     """The outcome of one check: its result, or one word for why there is none, with what was seen instead.
 
     `arithmetic` says since when the rounding mode or the treatment of subnormal numbers is changed, if it is. `calls`
-    is the number of calls of the subject that the check made; `adaptive` is True if a step may choose its own size.
+    is the number of calls of the subject that the check made; `traits` are what a step may be.
     """
 
     result: Any = None
@@ -163,7 +163,7 @@ class Outcome:
     seen: str = ""
     arithmetic: str = ""
     calls: int = field(default=0, compare=False)
-    adaptive: bool = False
+    traits: tuple[str, ...] = ()
 
     @property
     def failed(self) -> bool:

@@ -327,4 +327,4 @@ def _failure(error: BaseException) -> Outcome:
         return Outcome(kind=INSTRUMENT_FAILED, seen=f"{type(error).__name__} in {where}: {error}; please report this")
     limit = f" (an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
     seen = f"{error}".rstrip() + limit if isinstance(error.__cause__, MemoryError) else str(error)
-    return Outcome(kind=error.kind, seen=seen, adaptive=getattr(error, "adaptive", False))
+    return Outcome(kind=error.kind, seen=seen, traits=getattr(error, "traits", ()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -11,11 +10,10 @@ from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
-from driftproof.blackbox.probes.scripted_answers import NotReadable, Remembers, Rounding, unit
+from driftproof.blackbox.probes.scripted_answers import REMEMBERS, NotReadable, Rounding, unit
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.wrappers import wrapper_line
 
 _OF_ONE = "one number shows the stability function only; a step that takes an array of them shows its stages"
 CoefficientReading: TypeAlias = TableauReading | ForceReading
@@ -58,11 +56,10 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
         try:
             reading = read_implicit_forces(subject)
         except NotReadable as second:
-            if isinstance(refusal, Remembers):
-                owner = type(subject.function.__self__) if inspect.ismethod(subject.function) else None
-                raise NotReadable(f"{refusal}{f'; write{wrapper_line(owner)}' if owner else ''}") from None
-            both, adaptive = f"{refusal}; as one with implicit stages: {second}", refusal.adaptive or second.adaptive
-            raise NotReadable(both, adaptive=adaptive) from None
+            if REMEMBERS in refusal.traits:
+                raise refusal from None
+            both = f"{refusal}; as one with implicit stages: {second}"
+            raise NotReadable(both, *refusal.traits, *second.traits) from None
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 
 
@@ -103,5 +100,5 @@ def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> 
         with suppress(NotReadable, Misbehaviour, UnsupportedCall):  # of a step of one number
             return replace(read_forces(subject), refused=str(refusal))
         other = NotReadable(_OF_ONE) if subject.single else second
-        both, adaptive = f"{refusal}; as one with implicit stages: {other}", refusal.adaptive or other.adaptive
-        raise NotReadable(both, adaptive=adaptive) from None
+        both = f"{refusal}; as one with implicit stages: {other}"
+        raise NotReadable(both, *refusal.traits, *other.traits) from None
