@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from driftproof.blackbox.report import Report
 
 MOST_EXAMPLES = 10**6
-CALLS = ("map", "force", "field", "rosenbrock", "imex", "magnetic", "rotation")
+CALLS = cli.names_in("driftproof.blackbox.stepper.calling_conventions", "SIGNATURES")
 TARGET = (
     cli.option("step", "the stepper and where to import it from, such as mylib.ode:step", metavar="MODULE:STEP"),
     cli.option("--calls", "how to call the stepper, if its parameter names do not show it", choices=CALLS),
@@ -118,8 +118,8 @@ def _examined(options: Namespace) -> str:
         return _written(report, report.answered, options)
     if getattr(options, "system", None):
         cli.refuse(options, WITHOUT_A_SYSTEM, "with --system")
-    smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
-    domain = Domain(options.largest_step or 2.0, options.largest_state or 1000.0, **smallest)
+    sizes = {name: x for name in ("largest_step", "largest_state") if (x := getattr(options, name))}
+    domain = Domain(**sizes, **({"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}))
     allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     how |= {"examples": examples, "domain": domain, "allowance": allowance, "system": getattr(options, "system", None)}

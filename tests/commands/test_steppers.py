@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -10,6 +11,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from driftproof.blackbox.isolation import TIME_LIMIT
+from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.specification import Domain
 
 ROOT = Path(__file__).parents[2]
@@ -30,6 +33,11 @@ def test_stepper_that_is_another_method_is_refuted_and_no_folder_is_left_behind(
     )
     assert (done.returncode, json.loads(done.stdout)["passed"], done.stderr) == (1, False, "")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
+
+
+def test_help_names_the_defaults_that_hold(run):
+    defaults = [TIME_LIMIT, EXAMPLES, *(largest for _, largest in Domain().ranges)]
+    assert re.findall(r"\(default (\d+)\)", run("verify", "--help")[1]) == [f"{x:g}" for x in defaults]
 
 
 @pytest.mark.parametrize("command", ["identify", "verify"])

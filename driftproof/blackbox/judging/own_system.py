@@ -26,7 +26,7 @@ from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE,
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import drifts
-from driftproof.blackbox.stepper.state_forms import BODIES, TOGETHER
+from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
@@ -48,11 +48,13 @@ TIMES, COMPARED, SEEN_BENT, _CONTRACTS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 0.7
 # Systems with a shorter time are looked at again, as it may be that of a stiff spring.
 _FAST = 2.0**-8
 
-NO_SLOPES = "short steps show no slopes of it"
-
 
 class OwnSystem(Misbehaviour):
     """Its system is built in and is not q'' = -q: its steps do not show all of a method."""
+
+
+class NoSlopes(OwnSystem):
+    """Not even the slopes of its system are seen."""
 
 
 class AsOnOwnSystem(OwnSystem):
@@ -83,7 +85,7 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
         return None
     system = OwnSteps.of(*(found := seen_at(subject, domain)))
     if system is None and len(found[1][0]) > 2:
-        raise OwnSystem(f"its system of {len(found[1][0])} numbers is built in, and {NO_SLOPES}")
+        raise NoSlopes(f"its system of {len(found[1][0])} numbers is built in, and short steps show no slopes of it")
     return system
 
 
@@ -145,7 +147,7 @@ def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
 
     They are more than q and v if one array holds them, or if coordinates move each other.
     """
-    known = TOGETHER.get(subject.adapter.name, 0)
+    known = subject.adapter.together
     if STATE in subject.convention.order:
         return subject, max(2, known)
     for adapter, row in ((BODIES, 3),) * drifts(subject) + ((subject.adapter, known),):
