@@ -27,12 +27,12 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
-from driftproof.blackbox.stepper.run_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
