@@ -37,8 +37,8 @@ _TRIED = 12
 class Made(NamedTuple):
     """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
-    `kept` are the attributes that hold its state, if it keeps one; `puts` are what is put into attributes. If its
-    numbers are held in vectors, `vector` is their class. What the wrapper does is seen by running its parts.
+    `kept` are the attributes that hold its state, if it keeps one; `puts` are what is put into attributes. What the
+    wrapper does is seen by running its parts.
     """
 
     kind: str
@@ -48,7 +48,6 @@ class Made(NamedTuple):
     method: str = ""
     kept: Sequence[str] = ()
     puts: Mapping[str, str] = {}
-    vector: Any = None
 
     @property
     def state(self) -> set[str]:
@@ -61,52 +60,52 @@ class Made(NamedTuple):
         return {*self.arguments.values(), *self.call.values(), *self.puts.values()}
 
     @property
+    def _making(self) -> str:
+        return f"made = {name_of(self.make)}({', '.join(self.arguments.values())})"
+
+    @property
     def _putting(self) -> str:
-        places, texts = ", ".join(f"made.{each}" for each in self.puts), ", ".join(self._held(self.puts))
+        places, texts = ", ".join(f"made.{each}" for each in self.puts), ", ".join(self.puts.values())
         return f"{places} = {texts}" if self.puts else ""
 
     @property
     def _once(self) -> str:
         return f"made{self.method}({', '.join(self.call.values())})"
 
-    def _held(self, texts: Mapping[str, str]) -> list[str]:
-        held = ("q", "v", "force(q)") if self.vector else ()
-        return [f"{self.vector.__name__}({text}, 0.0)" if text in held else text for text in texts.values()]
+    @property
+    def _left(self) -> str:
+        return ", ".join(f"made.{each}" for each in self.kept)
 
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
-        made = f"{name_of(self.make)}({', '.join(self._held(self.arguments))})"
-        left = ", ".join(f"made.{each}{'.x' * bool(self.vector)}" for each in self.kept)
         remembers, alone = self._memory()
+        made, once, left = self._making, self._once, self._left
         if not remembers:
             if left:
-                return defined(self.kind, f"made = {made}", self._putting, self._once, f"return {left}")
+                return defined(self.kind, made, self._putting, once, f"return {left}")
             if self.puts:
-                return defined(self.kind, f"made = {made}", self._putting, f"return {self._once}")
-            return defined(self.kind, f"return {made}{self._once.removeprefix('made')}")
+                return defined(self.kind, made, self._putting, f"return {once}")
+            return defined(self.kind, f"return {made.removeprefix('made = ')}{once.removeprefix('made')}")
         if alone and not (left or self.arguments or self.puts):  # its steps may have several lengths
-            return f"wrapped = {made}{self.method}"
-        arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
-        later = f"made{self.method}({', '.join(arguments)})"
+            return f"wrapped = {made.removeprefix('made = ')}{self.method}"
+        later = self._replace(call=common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]"))._once
         if left:
             # What is kept may be changed in place, and so may be what it is given.
             copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)
-            later = f"({self._once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
+            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
             copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}
-            made = f"{name_of(self.make)}({', '.join(copies.get(x, x) for x in self.arguments.values())})"
-        begin = "; ".join(filter(None, (f"made = {made}", self._putting)))
+            made = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})._making
+        begin = "; ".join(filter(None, (made, self._putting)))
         return common.run_of_steps(self.kind, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def new(
         self, t: float = 0.0, state: Sequence[Any] = (), function: Callable[..., Any] | None = None
     ) -> dict[str, Any]:
         """The names in the wrapper when its object is made, and the function that it is given."""
-        names: dict[str, Any] = {text: None for text in self.given if text.isidentifier() and text.isupper()}
-        names |= {getattr(self.vector, "__name__", "vector"): self.vector, "make": self.make, "h": 0.25}
+        names = scope_of(self.make) | {text: None for text in self.given if text.isidentifier() and text.isupper()}
         # Of the time, too, where it is given.
-        names |= dict.fromkeys(("f", "force"), function or (lambda *x: x[0] - 0.5 * x[-1]))
-        making = f"made = make({', '.join(self._held(self.arguments))})"
-        return self._done(names, state or _START[self.kind], t, making, self._putting)
+        names |= {"h": 0.25, **dict.fromkeys(("f", "force"), function or (lambda *x: x[0] - 0.5 * x[-1]))}
+        return self._done(names, state or _START[self.kind], t, self._making, self._putting)
 
     def _done(self, names: dict[str, Any], state: Sequence[Any], t: float, *statements: str) -> dict[str, Any]:
         """The names after some statements of the wrapper in a state."""
@@ -116,10 +115,9 @@ class Made(NamedTuple):
 
     def stepped(self, names: dict[str, Any], state: Sequence[Any] = (), t: float = 0.0) -> tuple[Any, ...]:
         """The state that is left or returned after a step of what was made."""
-        names = self._done(names, state or _START[self.kind], t, self._putting, f"found = {self._once}")
-        found = [getattr(names["made"], each) for each in self.kept] if self.kept else names["found"]
-        found = [x.x for x in found] if self.vector else found
-        return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
+        end = f"found = {self._once}" + f"; found = {self._left}" * bool(self.kept)
+        found = self._done(names, state or _START[self.kind], t, self._putting, end)["found"]
+        return tuple(map(copy, [found] if self.kind == FIELD else found))
 
     def moves_by(self) -> bool:
         """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
@@ -145,7 +143,8 @@ class Made(NamedTuple):
                 state = found
             after = getattr(names["made"], "__dict__", {}).items()
             changed = {each for each, x in after if repr(x) != before.get(each)}
-            if changed - {*self.kept, attribute_of(names["made"], TIME)} and not self.state <= {*self.puts.values()}:
+            put = self.kept and {each.partition(".")[0] for each in self.kept} <= self.puts.keys()
+            if changed - {*self.kept, attribute_of(names["made"], TIME)} and not put:
                 found, anew = (self.stepped(each) for each in (names, self.new()))
                 return True, np.array_equal(np.array(found), np.array(anew))
         return False, False
@@ -197,6 +196,15 @@ def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
     return found if inspect.isclass(found) else step
 
 
+def scope_of(step: Callable[..., Any]) -> dict[str, Any]:
+    """The names that a wrapper may use where it is pasted: those of the code's module, and of the code itself."""
+    made = getattr(step, "__self__", None)
+    owner = owner_of(step) if made is None or inspect.isclass(made) else type(made)
+    parts = [*vars(owner).values()] if inspect.isclass(owner) else [owner]
+    module = next((each.__globals__ for each in parts if hasattr(each, "__globals__")), {})
+    return {**module, name_of(owner): owner, "made": made, name_of(step): step}
+
+
 def class_wrapper(cls: type, own: str) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names, taken = required_names(cls) or [], (calling.names_with_step(getattr(cls, own)) or [""])[1:]
@@ -243,11 +251,12 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     q, v, state, size, time = (attribute_of(made, role).partition(".")[0] for role in roles)
     if not inspect.isfunction(method) or function_argument(cls) or not (state or (q and v)):
         return ""
-    vector = next((type(x) for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), None)
+    vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
     kind = FORCE if q and v else FIELD
+    held = lambda text: f"{vector}({text}, 0.0)" if vector and text in ("q", "v", "force(q)") else text
     taken = (calling.names_with_step(method) or [""])[1:]
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
-    start = {each: start.get(each, "0.0" if each.lower() in _ASIDE else "1.0") for each in makes}
+    start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}
     replaced = {
         each: (required_names(getattr(cls, each)) or [])[1:]
         for each in public_methods(cls)
@@ -257,13 +266,13 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     # An input is None, if it is only handed on; the object has its state.
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
     calls = [without, *[call] * (without != call and len(call) == len(taken))]
+    places = [f"{each}{'.x' * bool(vector)}" for each in ((q, v) if kind == FORCE else (state,))]
     for name, call in product((*replaced, *pushed), calls):
         function = _replacing(replaced[name], kind, q, "None" in call.values()) if name in replaced else "force(q)"
         timed = any(role_of(each, (TIME,)) for each in replaced.get(name, ()))
         puts = {q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
-        puts = {each: text for each, text in (puts | {size: "h", name: function}).items() if each}
-        places = [each for each, text in puts.items() if text in ("q", "v", "y")]
-        found = Made(kind, cls, start, call, f".{advance}", places, puts, vector)
+        puts = {each: held(text) for each, text in (puts | {size: "h", name: function}).items() if each}
+        found = Made(kind, cls, start, call, f".{advance}", places, puts)
         with suppress(Exception):
             if found.moves_by():
                 return found.line()

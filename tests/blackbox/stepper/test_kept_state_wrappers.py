@@ -143,8 +143,8 @@ KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted
     ("Late", "symplectic_euler", False, 'position="y", velocity="vy"'),
     ("Steered", "forward_euler", None, "lambda made, h: made.step(0.0, h)"),
     ("Drive", "midpoint2", None, ""), ("Joint", "symplectic_euler", True, ""),
-    ("VerletPoint", "stormer2", True, "VerletPoint(0.0, 0.0); made.x, made.x_prev = q, q - h * v + h**2 / 2 * force(q); "
-     "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append((made.advance(force, h), 1.0 * made.x)[-1]) "
+    ("VerletPoint", "stormer2", True, "made = VerletPoint(0.0, 0.0); made.x, made.x_prev = q, q - h * v + h**2 / 2 * "
+     "force(q); ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append((made.advance(force, h), 1.0 * made.x)[-1]) "
      "for i in range(n)]; return ys[1:], [v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"),
     ("Point", "stormer2", True, ""), ("Bead", "stormer2", True, ""), ("Rope", "stormer2", True, ""),
 ]  # fmt: skip
