@@ -206,7 +206,7 @@ def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[lis
         pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
         near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
         both = [pair for pair in near if pair[1] in rates]
-        found = [*both, *[named] * all(named), *near, *pairs * (len(pairs) == 1), named]
+        found = [*[named] * (named in both), *both, *[named] * all(named), *near, *pairs * (len(pairs) == 1), named]
         return [*rates], found[0]
     return [], named
 
