@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, extensions_of
 from driftproof.methods.continuous import ContinuousExtension
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, as_fraction
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
@@ -93,7 +93,7 @@ def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
     """τ = (Φ - 1/γ)/σ of all trees with `vertices` vertices."""
     conditions = runge_kutta_conditions(method)
     pairs = zip(residuals(conditions, vertices), conditions.symmetries(vertices), strict=True)
-    return [Fraction(str(x)) / sigma for (_, x), sigma in pairs]
+    return [as_fraction(x) / sigma for (_, x), sigma in pairs]
 
 
 def extension_facts(method: RungeKutta) -> tuple[ExtensionFacts, ...] | None:
