@@ -17,7 +17,6 @@ import numpy as np
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, STATE, role_of, word_of
-from driftproof.blackbox.stepper.records import fields_of
 from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, call_by_names, defined
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
@@ -41,7 +40,7 @@ def function_wrapper(step: Callable[..., Any]) -> str:
     if gradients := gradients_of(names):
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
-    if line := _two_forces_wrapper(step, names) or _run_of_records(step, names):
+    if line := _two_forces_wrapper(step, names):
         return line
     kind = common.kind_by_names(names)
     given = arguments_by_role(names, kind)
@@ -285,28 +284,8 @@ def _two_step_run(step: Callable[..., Any], names: Sequence[str], given: Mapping
     if kind == FORCE and {*given.values()} == {"force", "q", "h", "ys[-2]"}:
         with suppress(Exception):
             pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
-            found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
-            return common.run_of_steps(kind, f"{common.BEFORE}, q", later + "[0]" * pair, found=found)
+            return common.run_of_positions(later + "[0]" * pair)
     return _with_a_force(step, names) if kind == MAP else ""
-
-
-def _run_of_records(step: Callable[..., Any], names: Sequence[str]) -> str:
-    """The run of a step of records that hold a position and the one before, and no velocity; "" if it takes none."""
-    given = {each: "force" if text == "f" else text for each, text in arguments_by_role(names, FIELD).items()}
-    left = [each for each in names if given.get(each, "y") in ("y", "()")]
-    if len(left) != 1 or not {"force", "h"} <= {*given.values()} - {given.get(left[0])}:
-        return ""
-    with suppress(Exception):
-        read = lambda record: step(**{each: record if each in left else TRIAL_ARGUMENTS[given[each]] for each in names})
-        name, make, _, needed = fields_of(step, read) or ("", dict, (), ())
-        (before,) = filter(common.is_before, needed)
-        (now,) = (each for each in needed if each != before)
-        part, start = f"[{now!r}]" if make is dict else f".{now}", f"{name}({now}=q, {before}={common.BEFORE})"
-        later = call_by_names(step, names, {**given, left[0]: "ys[-1]"})
-        found = common.WITH_SPEEDS.format(*(f"[y{part} for y in {row}]" for row in ("ys", "ys[1:]")))
-        line = common.run_of_steps(FORCE, start, later, found=found)
-        return line if common.goes_straight(line, **{common.name_of(step): step, name: make}) else ""
-    return ""
 
 
 def _with_a_force(step: Callable[..., Any], names: Sequence[str]) -> str:

@@ -126,29 +126,35 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
         given = common.arguments_by_role(taken, kind)
         if any(role_of(each, (calling.VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
             return ""
-        call, cls_name = f"made.{advance}({', '.join(given[each] for each in taken)})", name_of(cls)
+        call, name = f"made.{advance}({', '.join(given[each] for each in taken)})", name_of(cls)
         if kind == FIELD:
             start = ", ".join("f" if each == function else "y" for each in names)
-            begin = f"made = {cls_name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}"
-            later = f"({call}, [*made.{now}])[-1]"
-            line = common.run_of_steps(FIELD, f"y, [*made.{now}]", later, begin, first=1)
-            return line if common.goes_straight(line, **{cls_name: cls}) else ""
-        vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
-        first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
-        put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
-        force = f"lambda p, *rest: {put(f'force(p{first})')}"
-        start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {cls_name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}"
-        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
-        push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED), "")
-        if not (push or handed):
-            return ""
-        pushed = "" if handed else f"{push}force(made.{now}{first})), "
-        found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
-        later = f"({pushed}{call}, 1.0 * made.{now}{first})[-1]"
-        line = common.run_of_steps(FORCE, f"{common.BEFORE}, q", later, begin, found=found)
-        return line if common.goes_straight(line, **{cls_name: cls, vector: type(kept[now])}) else ""
+            begin = f"made = {name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}"
+            line = common.run_of_steps(FIELD, f"y, [*made.{now}]", f"({call}, [*made.{now}])[-1]", begin, first=1)
+            found = _ran(line, cls, lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)
+        else:
+            vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
+            first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
+            put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
+            force = f"lambda p, *rest: {put(f'force(p{first})')}"
+            start = ", ".join(force if each == function else "0.0" for each in names)
+            begin = f"made = {name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}"
+            push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
+            push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED), "")
+            if not (push or handed):
+                return ""
+            pushed = "" if handed else f"{push}force(made.{now}{first})), "
+            line = common.run_of_positions(f"({pushed}{call}, 1.0 * made.{now}{first})[-1]", begin)
+            found = _ran(line, cls, lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
+        # It goes straight on where no force acts, or where y' = 1/2.
+        return line if [float(np.ravel(x)[0]) for x in found] == [1.0, 1.125, 1.25] else ""
     return ""
+
+
+def _ran(line: str, cls: type, *given: Any) -> Any:
+    """What a wrapper returns where it is pasted after the class."""
+    exec(line, names := objects.scope_of(cls))
+    return names["wrapped"](*given)
 
 
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:

@@ -51,6 +51,11 @@ def run_of_steps(kind: str, states: str, later: str, begin: str = "", first: int
     return defined(kind, begin, f"ys = [{states}]", steps, f"return {found}", run=True)
 
 
+def run_of_positions(later: str, begin: str = "") -> str:
+    """The run of a method for q'' = F(q) that takes the last two positions; its velocities are their differences."""
+    return run_of_steps(FORCE, f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+
+
 def spelled(
     step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], taken: Sequence[str]
 ) -> Callable[..., Any]:
@@ -171,13 +176,3 @@ def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
     """What step i of a run is given in place of the start."""
     of_last = {"t": "t + i * h", "y": "ys[-1]", "[q, v]": "ys[-1]"} | of_last
     return {each: of_last.get(text, text) for each, text in given.items()}
-
-
-def goes_straight(line: str, **scope: Any) -> bool:
-    """True if two steps of such a run, with what it names, go straight on where no force acts, or where y' = 1/2."""
-    exec(line, scope)
-    if line.startswith(f"def wrapped({_HEADS[FORCE]}"):
-        found = scope["wrapped"](lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
-    else:
-        found = [y[0] for y in scope["wrapped"](lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)]
-    return [*map(float, found)] == [1.0, 1.125, 1.25]

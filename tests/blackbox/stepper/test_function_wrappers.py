@@ -20,17 +20,6 @@ def stormer_alone(acc, dt, x_prev, x):
 def bashforth(f, t, y, y_prev, h):
     return y + h / 2 * (3 * f(t, y) - f(t - h, y_prev))
 
-@dataclass(frozen=True)
-class Placed:
-    x: float
-    x_old: float
-
-def of_places(p: Placed, accel, dt):
-    return Placed(2 * p.x - p.x_old + dt**2 * accel(p.x), p.x)
-
-def of_previous(p, accel, dt):
-    return {"x": 2 * p["x"] - p["previous"] + dt**2 * accel(p["x"]), "previous": p["x"]}
-
 def positions(acc, x0, v0, dt, n):
     found = [x0, x0 + dt * v0 + dt**2 / 2 * acc(x0)]
     for _ in range(n - 1):
@@ -114,13 +103,6 @@ def march(f, t0, y0, t_end, h):
         t0, y0 = t0 + h, y0 + h * f(t0, y0)
         yield t0, y0
 
-def heun_of_ends(f, a, b, alpha, N):
-    h, w = (b - a) / N, alpha
-    for i in range(N):
-        k = f(a + i * h, w)
-        w = w + h / 2 * (k + f(a + i * h + h, w + h * k))
-    return w
-
 def dydx(x, y):
     return (x - y) / 2
 
@@ -171,7 +153,6 @@ PASTED = {
     ),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
     "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
-    "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
     "of_module": ("f, t, y, h", 'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)', "forward_euler"),
     "bodies": (
         "force, q, v, h",
@@ -187,24 +168,6 @@ PASTED = {
             "ys[-1], ys[-2], h)) for i in range(1, n)]; return ys  # a run of n steps, whose first is one of midpoint2",
         ),
         "adams_bashforth2",
-    ),
-    "of_places": (
-        *(
-            "force, q, v, h, n",
-            "ys = [Placed(x=q, x_old=q - h * v + h**2 / 2 * force(q))]; "
-            "[ys.append(of_places(ys[-1], force, h)) for i in range(n)]; return [y.x for y in ys], "
-            "[v, *((b - a) / h for a, b in zip([y.x for y in ys], [y.x for y in ys[1:]]))]",
-        ),
-        "stormer2",
-    ),
-    "of_previous": (
-        *(
-            "force, q, v, h, n",
-            "ys = [dict(x=q, previous=q - h * v + h**2 / 2 * force(q))]; "
-            "[ys.append(of_previous(ys[-1], force, h)) for i in range(n)]; return [y['x'] for y in ys], "
-            "[v, *((b - a) / h for a, b in zip([y['x'] for y in ys], [y['x'] for y in ys[1:]]))]",
-        ),
-        "stormer2",
     ),
     "with_parameters": ("f, t, y, h", "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)", FORWARD),
 }

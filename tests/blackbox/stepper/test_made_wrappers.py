@@ -290,8 +290,6 @@ def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base
 
 
 CARRYING = """
-import numpy as np
-
 class Carried:
     def __init__(self, accel, q0, v0):
         self.accel, self.q, self.v = accel, np.asarray(q0, float), np.asarray(v0, float)
