@@ -103,7 +103,9 @@ class Numbers:
 
         It has the names of its state, which reports use, and what makes it of other parameters or of another size.
         """
-        form: Any = (lambda y, t, h: self._moved(y, t, h)) if self.times else lambda y, h: self._moved(y, 0.0, h)
+        step = self.step  # which the form itself holds, so that a copy has a copy of it
+        moved = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
+        form: Any = moved if self.times else lambda y, h: moved(y, 0.0, h)
         form.step, form.others, form.by_parts = self.step, self.others, self.by_parts
         form.of_others = lambda others: replace(self, others=others).form
         form.state_names = self.names if len(self.names) > 1 else tuple(f"{self.names[0]}[{i}]" for i in range(2))

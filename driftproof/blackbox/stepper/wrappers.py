@@ -13,7 +13,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.function_wrappers import function_wrapper
 from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making, object_wrapper
 from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, owner_of
-from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, function_of, kind_by_names, name_of, plain_role
+from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
 # What to write where no wrapper is known, and where a right-hand side is built in.
 OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"
@@ -88,10 +88,11 @@ def substeps_wrapper(subject: ForeignStepper) -> str:
 
 def call_wrapper(subject: ForeignStepper, body: str, **given: str) -> str:
     """The wrapper that makes this of its call of the step with its own arguments, or what is `given` for a role."""
-    convention, function = subject.convention, function_of(subject.convention.kind)
+    convention, forced = subject.convention, subject.convention.kind == calling.FORCE
     order = [role for role in convention.order if role in ARGUMENTS]
-    names = {**ARGUMENTS, calling.FUNCTION: function}
-    passed = names | {calling.FUNCTION: f"lambda x: -{function}(x)" if convention.factor < 0 else function} | given
+    names = ARGUMENTS | ({calling.FUNCTION: "force"} if forced else {})
+    gradient = {calling.FUNCTION: "lambda x: -force(x)"} if forced and convention.factor < 0 else {}
+    passed = names | gradient | given
     texts = [passed[role] for role in order]
     if convention.names:
         texts = [f"{name}={text}" for name, text in zip(convention.names, texts, strict=False)]
