@@ -77,6 +77,6 @@ def _asked(
         text = written[function]
         return written | {function: taken.format(f"({text})" if "lambda" in text and not plain else text)}
 
-    made: Any = common.spelled(step, names, passed(known.values()), [*known.values()])
+    made: Any = common.called_with(step, names, passed(known.values()), [*known.values()])
     made.written = lambda *texts: common.call_by_names(step, names, passed(texts))
     return made  # type: ignore[no-any-return]

@@ -104,7 +104,7 @@ class Numbers:
         It has the names of its state, which reports use, and what makes it of other parameters or of another size.
         """
         step = self.step  # which the form itself holds, so that a copy has a copy of it
-        moved = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
+        moved: Any = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
         form: Any = moved if self.times else lambda y, h: moved(y, 0.0, h)
         form.step, form.others, form.by_parts = self.step, self.others, self.by_parts
         form.of_others = lambda others: replace(self, others=others).form

@@ -253,7 +253,8 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
         return ""
     vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
     kind = FORCE if q and v else FIELD
-    held = lambda text: f"{vector}({text}, 0.0)" if vector and text in ("q", "v", "force(q)") else text
+    parts = ("q", "v", "force(q)") if vector else ()
+    held: Callable[[str], str] = lambda text: f"{vector}({text}, 0.0)" if text in parts else text
     taken = (calling.names_with_step(method) or [""])[1:]
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}

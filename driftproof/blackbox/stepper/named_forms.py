@@ -12,7 +12,13 @@ import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.function_wrappers import called_functions, gradients_of
-from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, is_before, plain_role, spelled
+from driftproof.blackbox.stepper.wrapper_parts import (
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    called_with,
+    is_before,
+    plain_role,
+)
 
 # A decay so fast that a long step of it grows, unless it is solved for.
 _STIFF, _GROWN = 2.0**10, 2.0
@@ -32,7 +38,7 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if gradients := gradients_of(names):
         given = arguments_by_role([each for each in names if each not in gradients], calling.FORCE)
         if {"q", "v", "h"} <= {*given.values()} and len(given) + len(gradients) == len(names):
-            yield spelled(step, names, {**gradients, **given}, ["force", "q", "v", "h"])
+            yield called_with(step, names, {**gradients, **given}, ["force", "q", "v", "h"])
     unknown = [each for each in names if not _is_known(each)]
     pairs = called_functions(step, names)
     if pairs and (parts := _explicit_first(step, names, pairs)):
@@ -47,7 +53,7 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 def renamed(step: Callable[..., Any], names: Sequence[str], usual: Mapping[str, str]) -> Callable[..., Any]:
     """The step whose arguments have these usual names in place of their own."""
     own = {each: usual.get(each, each) for each in names}
-    return spelled(step, names, own, [*own.values()])
+    return called_with(step, names, own, [*own.values()])
 
 
 def _is_known(name: str) -> bool:

@@ -56,7 +56,7 @@ def run_of_positions(later: str, begin: str = "") -> str:
     return run_of_steps(FORCE, f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
 
 
-def spelled(
+def called_with(
     step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], taken: Sequence[str]
 ) -> Callable[..., Any]:
     """The step that takes other arguments and calls this one with what is `given`, as a wrapper would be written."""
