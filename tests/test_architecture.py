@@ -67,13 +67,13 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1273,
     "methods": 5528,
-    "symbolic": 10761,
+    "symbolic": 10767,
     "numeric": 4380,
-    "blackbox": 21808,
-    "enclosure": 5452,
-    "texts": 10460,
+    "blackbox": 21959,
+    "enclosure": 5585,
+    "texts": 10636,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6120
+BUDGET_OF_REPORTS_AND_FRONT = 6162
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

@@ -18,7 +18,7 @@ from driftproof.symbolic.linear.fact_values import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, TableauStages
-from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, runge_kutta_conditions
 
 
 class EstimateFacts(NamedTuple):
@@ -92,7 +92,7 @@ def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
 def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
     """τ = (Φ - 1/γ)/σ of all trees with `vertices` vertices."""
     conditions = runge_kutta_conditions(method)
-    pairs = zip(residuals(conditions, vertices), conditions.symmetries(vertices), strict=True)
+    pairs = zip(conditions.residuals(vertices), conditions.symmetries(vertices), strict=True)
     return [as_fraction(x) / sigma for (_, x), sigma in pairs]
 
 

@@ -78,15 +78,14 @@ class Made(NamedTuple):
 
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
-        remembers, alone = self._memory()
         made, once, left = self._making, self._once, self._left
-        if not remembers:
+        if not self._remembers():
             if left:
                 return defined(self.kind, made, self._putting, once, f"return {left}")
             if self.puts:
                 return defined(self.kind, made, self._putting, f"return {once}")
             return defined(self.kind, f"return {made.removeprefix('made = ')}{once.removeprefix('made')}")
-        if alone and not (left or self.arguments or self.puts):  # its steps may have several lengths
+        if not (left or self.arguments or self.puts):  # its steps may have several lengths
             return f"wrapped = {made.removeprefix('made = ')}{self.method}"
         later = self._replace(call=common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]"))._once
         if left:
@@ -125,13 +124,12 @@ class Made(NamedTuple):
         still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
         first = np.ravel(_START[self.kind])
         right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
-        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._memory()[0]))
+        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
 
-    def _memory(self) -> tuple[bool, bool]:
-        """Does a step change more than its state and its time, or is it not that of a new object in the same state?
+    def _remembers(self) -> bool:
+        """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
 
-        And is the object a step by itself: does it look back at its steps, or go on from any state as a new one? What
-        it changes besides does not count where its state is put, and neither does an object that makes no step.
+        What an object changes besides does not count where its state is put. It is False if no step can be made.
         """
         with suppress(Exception):
             names, state = self.new(), _START[self.kind]
@@ -139,15 +137,13 @@ class Made(NamedTuple):
             for i in range(_TRIED):
                 found, anew = (self.stepped(each, state, i / 4) for each in (names, self.new(i / 4, state)))
                 if not np.array_equal(np.array(found), np.array(anew)):
-                    return True, True
+                    return True
                 state = found
             after = getattr(names["made"], "__dict__", {}).items()
             changed = {each for each, x in after if repr(x) != before.get(each)}
             put = self.kept and {each.partition(".")[0] for each in self.kept} <= self.puts.keys()
-            if changed - {*self.kept, attribute_of(names["made"], TIME)} and not put:
-                found, anew = (self.stepped(each) for each in (names, self.new()))
-                return True, np.array_equal(np.array(found), np.array(anew))
-        return False, False
+            return not put and bool(changed - {*self.kept, attribute_of(names["made"], TIME)})
+        return False
 
     def fitted(self) -> Made:
         """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""

@@ -58,7 +58,7 @@ def errors_json(study: Study, measured: Measured) -> Json:
             "floors": floors(problem),
             "curves": [_curve_json(curve) for curve in measured.curves.values()],
             "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
-            **({} if study.error is None else {"least_work": _least_work_json(study.error, measured)}),
+            **({"least_work": [_least_work_json(goal, measured) for goal in study.wanted]} if study.wanted else {}),
         }
     )
 
@@ -181,7 +181,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     from driftproof.symbolic.claimed_orders import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
-    goals = GOALS if study.error is None else [study.error]
+    goals = study.wanted or GOALS
     parts = [
         _head(study),
         table(order_rows(measured, _reduces(study.problem), stated_orders(study.methods)), right=(1,)),
@@ -196,13 +196,14 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         told = f"By the largest error on the way: {largest}"
         parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
     if any("not reached by N" in part for part in parts):
-        implicit = MOST_FOR_GOAL if study.error is not None and has_numba() else MOST_IMPLICIT
+        implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
-    if study.error is not None:
-        best = _work_text(study, least_work(measured, study.error, "final"))
-        time = _least_time_text(study, measured, study.error)
-        parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}{time}")
-    parts.insert(study.error is not None, stiff)
+    wanted = [
+        f"For an error of at most {goal_text(goal)} at the end, "
+        f"{_work_text(study, least_work(measured, goal, 'final'))}{_least_time_text(study, measured, goal)}"
+        for goal in study.wanted
+    ]
+    parts = [*wanted, stiff, *parts]
     return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
 
 
@@ -333,9 +334,9 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
     lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
-    if study.error is not None:
+    if study.wanted:
         lines.append(
-            "For that error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
+            "For such an error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
         )
     lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
     lines.append("-: nothing to measure, or no point with an error.")

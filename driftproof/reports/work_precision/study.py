@@ -81,13 +81,13 @@ def per_state(kind: str, seconds: float) -> float:
 
 @dataclass(frozen=True)
 class Study:
-    """The question: the methods and peers, the problem, for how many seconds a point may be timed, the error wanted."""
+    """The question: the methods and peers, the problem, how many seconds a point may be timed, the errors wanted."""
 
     problem: Problem
     methods: Sequence[Entry]
     peers: Sequence[Peer]
     limit: float
-    error: float | None = None
+    wanted: Sequence[float] = ()
 
     def question(self) -> dict[str, Any]:
         """All that the answers depend on, as JSON; points that answer another question are not reused."""
@@ -266,10 +266,9 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             with stage(f"errors of {one.key}"):
                 measured.curves[one.key] = one.curve()
             store.save()
-        if study.error is not None:
-            with stage(f"errors of {one.key} near {study.error:g}"):
-                curve = measured.curves[one.key]
-                measured.curves[one.key] = replace(curve, points=one.for_goal(curve, goal=study.error))
+        if study.wanted:
+            with stage(f"errors of {one.key} near those wanted"):
+                measured.curves[one.key] = _with_points_for(study.wanted, one, measured.curves[one.key])
             store.save()
         progress(0, 1)
     for one in everybody:
@@ -287,6 +286,17 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             store.save()
     measured.curves = {one.key: measured.curves[one.key] for one in everybody}
     return measured
+
+
+def _with_points_for(goals: Sequence[float], one: _Contestant, curve: Curve) -> Curve:
+    """The curve with the points that the goals ask for, and without those between that belong to others."""
+    between = dict[str, Point]()
+    for goal in goals:
+        curve = replace(curve, points=one.for_goal(curve, goal=goal))
+        between |= {point.setting: point for point in curve.points if point.between}
+    doubled = [point for point in curve.points if not point.between]
+    refined = lambda point: point.steps or -float(point.setting)
+    return replace(curve, points=sorted([*doubled, *between.values()], key=refined))
 
 
 def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
