@@ -68,12 +68,12 @@ BUDGETS = {
     "support": 1273,
     "methods": 5528,
     "symbolic": 10767,
-    "numeric": 4380,
-    "blackbox": 21959,
+    "numeric": 4394,
+    "blackbox": 22456,
     "enclosure": 5585,
     "texts": 10636,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6162
+BUDGET_OF_REPORTS_AND_FRONT = 6188
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

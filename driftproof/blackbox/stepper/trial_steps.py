@@ -108,7 +108,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:
         start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
-        if not np.allclose(subject.step_state(start, TINY**2), start, rtol=0, atol=NEAR):
+        if not np.allclose(subject.step_state(start, TINY**8), start, rtol=0, atol=NEAR):
             raise WrongShape(f"{len(start)} numbers jump, however short the step is")
     if subject.log.carried is not None:
         _require_slope_at_end(subject, end)

@@ -311,11 +311,12 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
         seconds, before = _warm_up(measured, curve, kind, call_at, points), sizes[0]
         for name, point, size in zip(names, points, sizes, strict=True):
             call, expected = call_at(point), seconds * size / before
-            remark = f"about {expected:.2g} s, over {study.limit:g} s" if expected > study.limit else ""
+            too_long = expected > study.limit
+            remark = f"about {expected:.2g} s, over {study.limit:g} s" if too_long else ""
             if not remark and kind != integrators.ENSEMBLE:
                 remark = state_remark(study.problem, point, call)
             if remark:
-                measured.timings.setdefault(name, Timing(remark=remark))
+                measured.timings.setdefault(name, Timing(remark=remark, too_long=too_long))
                 continue
             begun, seconds = started(call)
             before, calls[name] = size, call
