@@ -49,6 +49,12 @@ class NothingReturned(NotANumber):
     """The step returns None, or a part that is None, and has written its answer nowhere."""
 
 
+class AskedAtNoState(NotANumber):
+    """The step asks for its right-hand side at what is no real state."""
+
+    kind = NotANumber.kind
+
+
 class Increment(Misbehaviour):
     """The answer is the increment y1 - y instead of y1."""
 

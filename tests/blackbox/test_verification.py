@@ -158,7 +158,7 @@ VERDICTS = {
     "in fractions": (in_fractions, "rk4"), "a generator": (generated, "rk4"),
     "in time": (codes.velocity_verlet_in_time, "velocity_verlet"),
     "of one number": (codes.rk4_of_one_number, "rk4"), "another of one": (codes.rk4_of_one_number, "rk38"),
-    "a dict": (lambda f, t, y, h: {"answer": y}, "rk4", "What to do", "make this one call return an answer, or"),
+    "nothing": (lambda f, t, y, h: None, "rk4", "What to do", "make this one call return an answer, or"),
     "complex": (lambda f, t, y, h: f(t, 1j * y), "rk4"),
     "memory": (remembering, "forward_euler"),
     "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import (
+    AskedAtNoState,
     Misbehaviour,
     NotANumber,
     NotFinite,
@@ -120,7 +121,7 @@ class ForeignCode:
                     ]
                     return ends[0] + 1j * np.subtract(ends[1], ends[0]) * (off / _SHIFT)
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
-                raise NotANumber(place) from None
+                raise AskedAtNoState(place) from None
             if len(arguments) > 1 and not known:
                 self.log.asks = (calling.STATE, calling.TIME) if time else (calling.TIME, calling.STATE)
             (at,) = self.adapter.read(arguments[time], 1) if len(arguments) > 1 else (t,)

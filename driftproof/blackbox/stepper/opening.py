@@ -288,7 +288,7 @@ class Target:
         try:
             subject = opened(own or step, self.calls, array, before, after, self.keeps)
             return subject.with_copies() if self.anew and own else subject
-        except findings.NothingReturned:
+        except (findings.NothingReturned, findings.AskedAtNoState):
             raise
         except (findings.WrongShape, findings.NotANumber) as unread:
             subject = ForeignStepper(step, calling.conventions_of(step, self.calls)[0], ARRAYS)
