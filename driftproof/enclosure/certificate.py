@@ -31,6 +31,7 @@ class Split:
     `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] is the
     solution. If the run's times are rounded, that shift counts as rounding. The run took `steps` steps in `bits` bits.
     `solved` is true of an implicit method: what the run's own solver left unsolved of its stages counts as rounding.
+    All points are its steps up to rounding, but for those after the intervals `unchecked`, where that cannot be told.
     """
 
     method: str
@@ -40,6 +41,7 @@ class Split:
     steps: int
     bits: int
     solved: bool = False
+    unchecked: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -146,6 +148,10 @@ class Certificate(Printable):
             lines.append(f"largest {name} {decimal(largest_of(rows, split.bits))}: {self.place(largest_place(rows))}")
         if split.solved:
             lines.append("rounding includes what the run's own solver, such as Newton's method, left unsolved")
+        if split.unchecked:
+            where = f"{len(split.unchecked)} of {counted(len(split.states) - 1, 'interval')}"
+            said = f"not checked to be its steps, as rounding may have grown too much: {where}"
+            lines.append(f"{said}, the first from t = {self.t[split.unchecked[0]]:.17g}")
         return lines
 
     def _drift_lines(self, name: str, drift: Drift) -> list[str]:
@@ -171,7 +177,8 @@ class Certificate(Printable):
         }
         if (split := self.split) is not None:
             parts = {"truncation": _rows(split.truncation), "rounding": _rows(split.rounding)}
-            found["split"] = {"method": split.method, "steps": split.steps, "bits": split.bits, **parts}
+            run = {"method": split.method, "steps": split.steps, "bits": split.bits}
+            found["split"] = {**run, "unchecked": list(split.unchecked), **parts}
         if self.drifts:
             found["drifts"] = {
                 name: {

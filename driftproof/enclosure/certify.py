@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
+from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of, unchecked_intervals
 from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import size
@@ -165,7 +165,8 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
             )
         if _is_small(rounding, rows):
             run_of = plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits
-            return Split(*run_of, solved=not plan.method.explicit)
+            with ctx.workprec(bits), stage(f"checking the steps of {plan.method.key}"):
+                return Split(*run_of, not plan.method.explicit, unchecked_intervals(plan, run, rows))
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
 
