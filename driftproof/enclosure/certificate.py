@@ -8,8 +8,9 @@ from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
 from html import escape
 from typing import TypeAlias
 
-from flint import arb, ctx
+from flint import arb
 
+from driftproof.enclosure.evaluations import in_bits
 from driftproof.enclosure.numbers import size
 from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
@@ -87,7 +88,7 @@ class Certificate(Printable):
     @property
     def digits_of(self) -> tuple[int | None, ...]:
         """For each component, the digits right at every point relative to its own largest size; None if it may be 0."""
-        with ctx.workprec(self.bits):
+        with in_bits(self.bits):
             found = list[int | None]()
             for errors, values in zip(zip(*self.errors, strict=True), zip(*self.y, strict=True), strict=False):
                 true = [arb(x) - error for x, error in zip(values, errors, strict=False)]
@@ -224,7 +225,7 @@ def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
 
 def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
     """A ball that contains the largest absolute value of the numbers in the balls."""
-    with ctx.workprec(bits):
+    with in_bits(bits):
         largest = arb(0)
         for ball in (ball for row in rows for ball in row):
             largest = largest.max(abs(ball))

@@ -13,7 +13,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.evaluations import Refused, in_bits
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of, unchecked_intervals
 from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
@@ -45,6 +45,7 @@ _WRITES = "f writes into its y, from which a solver may go on; the solution that
 
 
 @working("certify")
+@in_bits(BITS_AT_FIRST)
 def certify(
     f: Any,
     t: Any = None,
@@ -85,8 +86,7 @@ def certify(
         raise ValueError("h has no effect without method")
     f = right_hand_side(field, len(run.states[0]))
     functions = invariants_of(invariants, field, len(run.states[0]))
-    with ctx.workprec(BITS_AT_FIRST):
-        require_reproduced_between(f, enclosable(f), run.times, run.states)
+    require_reproduced_between(f, enclosable(f), run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
     WRITTEN.set(False)
     try:

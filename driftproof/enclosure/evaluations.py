@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import linecache
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
 from numbers import Rational
+from threading import RLock
 from types import FrameType
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, ctx, fmpq
 
 from driftproof.methods.number_field import dyadic
 
@@ -21,6 +24,16 @@ from driftproof.methods.number_field import dyadic
 Value: TypeAlias = Any
 # Whose lines are not the user's, and how much of one of these is quoted.
 _OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
+# How many refusals this thread has made: one more after a run of f is one that f has caught.
+REFUSALS = ContextVar("refusals made", default=0)
+_ONE_THREAD = RLock()
+
+
+@contextmanager
+def in_bits(bits: int) -> Iterator[None]:
+    """Compute with so many bits, and no other thread meanwhile: FLINT's precision is that of the whole process."""
+    with _ONE_THREAD, ctx.workprec(bits):
+        yield
 
 
 class Refused(ArithmeticError):
@@ -33,16 +46,13 @@ class Refused(ArithmeticError):
     ...     print(refusal)
     times must increase, but t[2] = 0.5 is not above t[1] = 1.0
 
-    `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
-    that one which f catches is detected.
+    `t` is the time that the enclosure reached if more bits may lead further, else None.
     """
-
-    made: ClassVar[int] = 0
 
     def __init__(self, message: str, t: Fraction | None = None) -> None:
         super().__init__(message)
         self.t = t
-        Refused.made += 1
+        REFUSALS.set(REFUSALS.get() + 1)
 
 
 class Stiff(Refused):

@@ -18,7 +18,7 @@ from flint import arb, arb_mat, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.crossings import Crossing, Window, crossed
-from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, in_bits, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
@@ -86,7 +86,7 @@ def enclose_solution(
 
     A start given as balls stands for every point in them. Raises Refused if nothing can be proved.
     """
-    with ctx.workprec(bits), np.errstate(all="ignore"):
+    with in_bits(bits), np.errstate(all="ignore"):
         function, balls = enclosable(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
@@ -170,6 +171,20 @@ def test_more_bits_are_taken_where_they_lead_further(refused_at, tried, monkeypa
     with pytest.raises(Refused, match="no further"):
         certify(decay, [10.0, 20.0], [[1.0], [0.4]])
     assert seen == [128 * 2**k for k in range(tried)]
+
+
+def test_two_threads_at_once_have_the_answers_of_one_alone():
+    """With 40 switches a millisecond; FLINT has one precision, and the first f is refused on the way to its jump."""
+    rubbed = lambda t, y: [y[1], -y[0] - 0.1 * np.sign(y[1])]
+    runs = [(rubbed, [0.0, 1.0], [[1.0, 0.0], [0.6, -0.8]]), (pendulum, [0.0, 5.0], [[2.0, 0.0], [-1.2, -1.2]])]
+    answer = lambda run: certify(*run).text()
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(25e-6)
+    try:
+        with ThreadPoolExecutor(2) as threads:
+            assert [*threads.map(answer, runs * 5)] == [*map(answer, runs)] * 5
+    finally:
+        sys.setswitchinterval(before)
 
 
 def test_trajectory_without_error_has_every_digit():
