@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
+from fractions import Fraction
 from html import escape
 from typing import TypeAlias
 
@@ -14,11 +16,14 @@ from driftproof.enclosure.evaluations import in_bits
 from driftproof.enclosure.numbers import size
 from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
+from driftproof.symbolic.algebra.certified import Uncertified, endpoints, scientific, significant
 
 # A row for each time, with a ball for each component.
 BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
 # Digits of balls in JSON: more than are ever proved for the error of a double, rounding included.
 _DIGITS = 25
+# Those of balls in words, and the least number without an exponent there.
+_DIGITS_SHOWN, _LEAST_PLAIN = 10, Fraction(1, 10**4)
 # The most rows of the table in a notebook, and the most constants that the text lists: a dense system has thousands.
 _MOST_SHOWN = 12
 # The digits reported for a point that is right to the last bit.
@@ -213,8 +218,15 @@ class Certificate(Printable):
 
 
 def decimal(x: arb) -> str:
-    """Ten decimal digits, or as many as the ball determines."""
-    return str(x.str(10, radius=False))
+    """As many digits, ten at most, as all numbers in the ball round to; the ball itself if they share not even one."""
+    with suppress(Uncertified):  # of a number too long to write out
+        ends = endpoints(x) if x.is_finite() else ()
+        write = scientific if max(map(abs, ends), default=0) < _LEAST_PLAIN else significant
+        for digits in range(_DIGITS_SHOWN * bool(ends), 0, -1):
+            low, high = (write(end, digits) for end in ends)
+            if low == high:
+                return low
+    return str(x.str(3))
 
 
 def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
