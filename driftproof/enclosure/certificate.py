@@ -24,6 +24,8 @@ BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
 _DIGITS = 25
 # Those of balls in words, and the least number without an exponent there.
 _DIGITS_SHOWN, _LEAST_PLAIN = 10, Fraction(1, 10**4)
+# With more bits than from the first of a ball's middle to the last of its radius, sums of the two are exact.
+_BITS_OF_ANY_BALL = 2**18
 # The most rows of the table in a notebook, and the most constants that the text lists: a dense system has thousands.
 _MOST_SHOWN = 12
 # The digits reported for a point that is right to the last bit.
@@ -66,11 +68,11 @@ class Drift:
 class Certificate(Printable):
     """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) is the solution through y[0].
 
-    `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
-    these; `digits_of` is that of each component by itself. `steps` and `bits` are those of the enclosure. `doubles` are
-    the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if they were asked for.
-    `unknowns` are the names that f gives the components, `said` how the columns of the file were read, where their
-    names leave a question.
+    `digits_at` are the digits of the largest error at each point, relative to the solution's largest component there;
+    `digits` are the least of these, and `digits_of` those of each component by itself. `steps` and `bits` are those of
+    the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if
+    they were asked for. `unknowns` are the names that f gives the components, `said` how the columns of the file were
+    read, where their names leave a question.
     """
 
     t: tuple[float, ...]
@@ -87,7 +89,7 @@ class Certificate(Printable):
 
     @property
     def digits(self) -> int:
-        """The number of digits right at every point, relative to its largest component."""
+        """The digits of the largest error at every point, relative to the largest component there."""
         return min(self.digits_at)
 
     @property
@@ -230,9 +232,10 @@ def decimal(x: arb) -> str:
 
 
 def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
-    """Row and column of the ball that reaches farthest from 0."""
-    places = [(i, j) for i, row in enumerate(rows) for j in range(len(row))]
-    return max(places, key=lambda place: float(rows[place[0]][place[1]].abs_upper()))
+    """Row and column of the ball that reaches farthest from 0, the first of several."""
+    with in_bits(_BITS_OF_ANY_BALL):
+        reach = {(i, j): x.abs_upper() for i, row in enumerate(rows) for j, x in enumerate(row)}
+        return max(reach, key=reach.__getitem__)
 
 
 def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:

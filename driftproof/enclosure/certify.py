@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import inf
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -185,7 +186,8 @@ def assert_accurate(
 
     The errors are those against the true solution through the first point: what was lost before that point, for example
     if SciPy's `t_eval` leaves out the start, is not seen.
-    Raises AssertionError with the worst point and its proved error, and Refused if nothing can be proved. `solution`
+    Raises AssertionError with the point whose error is the largest multiple of its tolerance, and with that error, and
+    Refused if nothing can be proved. `solution`
     is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of the solver are given, the message compares
     the error with what they promise, which is only the error of a single step.
 
@@ -205,7 +207,8 @@ def assert_accurate(
         words = f"is, {where}, within {tolerance} of the true one that starts at the first (proved)"
         assert_verdict(AssertedVerdict("the solution", words, True, found.text()), holds=True)
         return
-    part, allowed, (i, j) = beyond[0]
+    worst = max(beyond, key=lambda each: float(each[0].largest_error) / each[1] if each[1] else inf)
+    part, allowed, (i, j) = worst
     said = f"off by {decimal(part.largest_error)}, more than {allowed}: {found.place((i, j))} (proved)"
     if rtol is not None:
         promised = atol + rtol * abs(found.y[i][j])

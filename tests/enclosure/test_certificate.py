@@ -12,7 +12,16 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.enclosure.certificate import ALL_DIGITS, Certificate, Drift, Split, decimal, largest_of, right_digits
+from driftproof.enclosure.certificate import (
+    ALL_DIGITS,
+    Certificate,
+    Drift,
+    Split,
+    decimal,
+    largest_of,
+    largest_place,
+    right_digits,
+)
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.looping import exactly
 
@@ -108,6 +117,17 @@ def test_both_ends_of_a_ball_round_to_its_decimal(middle, radius):
         words = decimal((middle + arb(0, radius)) / 10**12)
     places = len(words.partition(".")[2])
     assert all(round(Fraction(end, 10**12), places) == Fraction(words) for end in (middle - radius, middle + radius))
+
+
+@pytest.mark.parametrize(
+    ("row", "place"),
+    [
+        ((arb(1, 2**-300), arb(1, 2**-299)), 1), ((arb(10) ** -400, -(arb(10) ** -330)), 1), ((arb(0), arb(1, 2**-300)), 1),
+        ((arb(10) ** 430, arb(10) ** 400), 0), ((arb(1), arb(-1), arb(1)), 0), ((arb(1, 2**-300), arb(1)), 0),
+    ],
+)  # fmt: skip
+def test_the_largest_place_is_that_of_the_larger_of_any_two_sizes(row, place):
+    assert largest_place([(), row]) == (1, place)
 
 
 def test_largest_is_a_ball_of_the_largest_size():

@@ -140,6 +140,8 @@ def test_components_of_different_size_have_digits_and_tolerances_of_their_own():
     assert_accurate(([0.0, 1.0], rows), fall, [1e-3, 2e-6, 1e-12])
     with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-07: component 1 at t = 1, point 1 of"):
         assert_accurate(([0.0, 1.0], rows), fall, np.array([1e-3, 1e-7, 1e-12]))
+    with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-12: component 1"):
+        assert_accurate(([0.0, 1.0], rows), fall, [1e-5, 1e-12, 1e-12])
     for wrong, words in (([1e-3, 1e-3], "one for each of the 3 comp"), ([1, 1, -1], "must be a number >= 0")):
         with pytest.raises(ValueError, match=words):
             assert_accurate(([0.0, 1.0], rows), fall, wrong)
