@@ -16,7 +16,7 @@ from types import FrameType
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, arb_series, ctx, fmpq
 
 from driftproof.methods.number_field import dyadic
 
@@ -89,10 +89,11 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None, *, at_start: bool 
 class Evaluation:
     """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
 
-    It decides comparisons at a point, or for all times of a step, on p or on the tube around it. `taken` collects the
-    outcomes, and the integers of floors. `span` holds the first and last time of a step, the last None for times just
-    after the first, for comparisons of the time (see `clocks`); it is None at a single time. Models are compared for
-    0 <= σ <= 1 if it goes `forward` from the middle of their disc, else for -1 <= σ <= 1.
+    It decides comparisons at a point, or for all times of a step, on the step's polynomial or on the set around it that
+    holds the solutions. `taken` collects the outcomes, and the integers of floors. `span` holds the first and last time
+    of a step, the last None for times just after the first, for comparisons of the time (see `clocks`); it is None at a
+    single time. Models are compared for 0 <= σ <= 1 if it goes `forward` from the middle of their disc, else for
+    -1 <= σ <= 1.
     """
 
     taken: list[int] = field(default_factory=list)
@@ -120,7 +121,7 @@ class Evaluation:
 
     def is_positive(self, x: Value) -> bool:
         """True if the number is certainly positive, at the point of expansion if it is a series; no outcome of f."""
-        values = self._between(x) if isinstance(x, arb) or hasattr(x, "ends") else (x[0],)
+        values = (x[0],) if isinstance(x, arb_series) else self._between(x)
         return all(value > 0 for value in values)
 
     def floor(self, x: Value) -> int:
@@ -143,6 +144,10 @@ class Evaluation:
 
     def made_of(self, made: Value, x: Value, y: Value, *, product: bool) -> None:
         """Note that a number is the sum of two, or their product."""
+
+    def written(self, name: str, x: Value) -> Value | None:
+        """The function of a name that stands for a number; None for numbers, whose functions are decided."""
+        return None
 
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""
