@@ -63,8 +63,9 @@ def certify(
     each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat,
     .npz or .npy file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or
     the path of a .toml file, its numbers are exact. A .toml file, or a dict of its contents, may have a function
-    instead; a run with another start or end than the file's is told so. `parameters` replace
-    those of the file or the dict, or are keywords of the function. Raises Refused if nothing can be proved.
+    instead; a run with another start or end than the file's is told so. `parameters` replace those of the file or the
+    dict, or are keywords of the function. Raises Refused if nothing can be proved, and ValueError for bad input, such
+    as an unknown method, h without a method, or an f of another number of components.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
@@ -91,10 +92,18 @@ def certify(
     plan = None if method is None else plan_of(f, run, method, h)
     WRITTEN.set(False)
     try:
-        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+        found = _certified(f, run, plan, functions)
     except Refused as refusal:
         raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
     said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else "", *_unlike(given, run)]))
+    return replace(found, unknowns=unknowns, said=said)
+
+
+def _certified(
+    f: RightHandSide, run: Trajectory, plan: StepPlan | None, functions: Mapping[str, Callable[[Any], Any]]
+) -> Certificate:
+    """The certificate of a run, with what `plan` splits, and the drifts of the `functions`. Raises Refused."""
+    enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
     split = None if plan is None else _split(plan, run, true)
@@ -105,8 +114,7 @@ def certify(
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
-    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
-    return replace(found, unknowns=unknowns, said=said)
+    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
