@@ -20,7 +20,7 @@ LOST, INTERRUPTED, CUT_SHORT = 3, 130, 141
 HELP = """\
 usage: driftproof [-h] [--version] COMMAND ...
 
-Exact facts and certified numbers about one-step integrators, and float runs held to them.
+Exact facts and certified numbers about numerical integrators, and float runs held to them.
 
 commands:
 {commands}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from itertools import product
 from typing import Any
 
 import sympy
@@ -61,41 +60,21 @@ def test_energy_is_half_the_squared_radius() -> None:
     assert sympy.trigsimp(readouts.energy(state)).diff(r) != 0
 
 
-@claim("L108", evidence=PROVED, by="polar form, eight octants")
+@claim("L108", evidence=PROVED, by="polar form")
 def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     """Marks of equal radius have equal energy, and the angle between two marks is the wrapped phase error.
 
-    In polar form cross and dot product are rρ sin(α - β) and rρ cos(α - β), of which the readout takes the angle; for
-    the 64 pairs of octants it gives that angle, wrapped, exactly, and for others to ten decimals.
+    In polar form cross and dot product are rρ sin(α - β) and rρ cos(α - β), whose angle the readout takes (T02, L135).
     """
     r, rho, alpha, beta = sympy.symbols("r rho alpha beta", positive=True)
     (q1, v1), (q2, v2) = (r * cos(alpha), -r * sin(alpha)), (rho * cos(beta), -rho * sin(beta))
     assert sympy.trigsimp(readouts.energy((q1, v1)) - r**2 / 2) == 0
     assert sympy.simplify(q1 * v2 - v1 * q2 - r * rho * sin(alpha - beta)) == 0
     assert sympy.simplify(q1 * q2 + v1 * v2 - r * rho * cos(alpha - beta)) == 0
-    for ahead, state in enumerate(OCTANTS):
-        for behind, exact in enumerate(OCTANTS):
-            assert readouts.phase_error(state, exact) == _wrapped(45 * (ahead - behind))
-    for state, exact in product(BETWEEN, BETWEEN):
-        assert f"{readouts.phase_error(state, exact):.10f}" == _wrapped_difference(state, exact)
 
 
 # States at the phase angles 0, 45, ..., 315 degrees: clockwise, as the motion runs.
 OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0))
-# And states between those angles, in three quarters of the plane, at whole distances.
-BETWEEN = ((3.0, -4.0), (-12.0, -5.0), (8.0, 15.0))
-
-
-def _wrapped(degrees: int) -> int:
-    """The angle degrees + 360k that lies in [-180, 180)."""
-    return (degrees + 180) % 360 - 180
-
-
-def _wrapped_difference(state: tuple[float, float], exact: tuple[float, float]) -> str:
-    """The difference of the phase angles atan2(-v, q) in degrees, without whole turns, to ten decimals."""
-    ahead, behind = (atan2(-int(v), int(q)) for q, v in (state, exact))
-    turns = round((ahead - behind) / (2 * pi))  # none of these states is opposite to another
-    return fixed(certifiable((ahead - behind - 2 * pi * turns) * 180 / pi), 10)
 
 
 @claim("L153", evidence=PROVED, by="rotated state")
@@ -145,10 +124,6 @@ def test_phase_angle_of_the_solution_is_time() -> None:
     assert angle.subs(t, 0) == 0
     assert sympy.simplify(angle.diff(t)) == 1
     assert sympy.simplify(atan2(v_exact, q_exact).diff(t)) == -1
-    for eighths, state in enumerate(OCTANTS):  # the readout measures from (1, 0) by the same angle
-        assert readouts.phase_error(state, OCTANTS[0]) == _wrapped(45 * eighths)
-    for state in BETWEEN:
-        assert f"{readouts.phase_error(state, OCTANTS[0]):.10f}" == _wrapped_difference(state, OCTANTS[0])
 
 
 @claim("L158", evidence=CERTIFIED, by="ball enclosure")
@@ -174,8 +149,6 @@ def test_phase_error_is_wrapped_to_half_open_turn() -> None:
             assert turns.denominator == 1
             assert -180 <= found < 180
             assert all(abs(found) <= abs(found + 360 * k) for k in (-2, -1, 1, 2))
-    for state, exact in product(BETWEEN, BETWEEN):
-        assert f"{readouts.phase_error(state, exact):.10f}" == _wrapped_difference(state, exact)
     assert readouts.phase_error(OCTANTS[1], OCTANTS[0]) == 45
     for opposite in ((-1.0, 0.0), (-1.0, -0.0)):
         assert readouts.phase_error(opposite, (1.0, 0.0)) == -180
@@ -205,8 +178,10 @@ def test_positive_phase_error_is_ahead() -> None:
     rate = (q * q + v * v, q * q + v * v)  # numerator and denominator of d/dt atan2(-v, q)
     dq, dv = v, -q
     assert (q * -dv - -v * dq, q**2 + v**2) == rate
-    assert readouts.phase_error(readouts.exact_state((1.0, 0.0), 2.0), readouts.exact_state((1.0, 0.0), 1.0)) > 0
-    assert readouts.phase_error(readouts.exact_state((1.0, 0.0), 1.0), readouts.exact_state((1.0, 0.0), 2.0)) < 0
+    later, sooner = (sympy.Matrix([cos(t), -sin(t)]) for t in (2, 1))
+    sine = later[0] * sooner[1] - later[1] * sooner[0]  # of the phase error, whose sign it has below half a turn
+    assert sympy.simplify(sine - sin(1)) == 0
+    assert certified_sign(certifiable(sin(1))) == 1
 
 
 @claim("L136", "L161", evidence=PROVED, by="period of the angle")

@@ -9,7 +9,7 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 import sympy
-from flint import arb
+from flint import arb, ctx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -19,7 +19,7 @@ from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, fixed, significant
 from driftproof.symbolic.derivation.one_step import entries, matrix_at, numerator_and_denominator
 from driftproof.symbolic.derivation.stability import AtStep
-from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, RunBound, run_bound
+from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, run_bound
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, power
 from proofs.claims import CERTIFIED, COUNTED, FUZZED, PROVED, claim
@@ -86,12 +86,13 @@ def test_float_runs_and_readouts_agree_with_exact_ones(
         state = HAND_WRITTEN[key](oscillator, *state, h)
     exact = apply(power(matrix_at(M(key), Q(h)), steps), Q(q), Q(v))
     assert _distance_squared(state, exact) <= bound.euclidean**2
-    _check_readouts(state, (q, v), Q(h) * steps, bound)
+    with ctx.workprec(128):  # balls at 53 bits would leave a comparison to the bound undecided
+        _check_readouts(state, (q, v), Q(h) * steps)
 
 
 U = Q(1, 2**53)
 ETA = Q(1, 2**1074)
-# NumPy's cosine and sine are within 4 units in the last place of the true ones: 8 u, relative to 1.
+# Taken, not proved: NumPy's own tests ask at most 4 units in the last place of its cosine and sine: 8 u, relative to 1.
 TRIGONOMETRIC = 8 * U
 
 
@@ -99,7 +100,7 @@ def _distance_squared(state: tuple[float, float], exact: tuple[Q, Q]) -> Q:
     return (Q(state[0]) - exact[0]) ** 2 + (Q(state[1]) - exact[1]) ** 2
 
 
-def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q, bound: RunBound) -> None:
+def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q) -> None:
     """Compare energy, energy change, state error and phase error in floats with those of the exact run."""
     true_energy = lambda z: (Q(z[0]) ** 2 + Q(z[1]) ** 2) / 2
     # Two squares, a sum and a halving: at most three roundings per term, and an underflow of each square.
@@ -118,10 +119,10 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     true_flow = (q * c + v * s, v * c - q * s)
     near_flow = enclose(2 * (TRIGONOMETRIC + 3 * U) * size + 4 * ETA)
     for mine, true in zip(flow, true_flow, strict=True):
-        assert not abs(enclose(Q(mine)) - true) > near_flow
+        assert abs(enclose(Q(mine)) - true) <= near_flow
     true_error = ((x - true_flow[0]) ** 2 + (y - true_flow[1]) ** 2).sqrt()
     found = enclose(Q(float(readouts.state_error(state, flow))))
-    assert not abs(found - true_error) > 2 * near_flow + 8 * enclose(U) * found + enclose(4 * ETA)
+    assert abs(found - true_error) <= 2 * near_flow + 8 * enclose(U) * found + enclose(4 * ETA)
     phase = readouts.phase_error(state, flow)
     for read in (readouts.state_error, readouts.phase_error, readouts.float_energy_change):  # arrays, too
         alone, both = read(state, flow), read(*(tuple(np.array([x, x]) for x in z) for z in (state, flow))).tolist()
@@ -136,7 +137,7 @@ def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q
     if bool(radii > 0) and bool((q**2 + v**2).sqrt() > 1000 * near_flow):
         sine = (x * true_flow[1] - y * true_flow[0]) / radii
         angle = enclose(Q(phase)) * arb.pi() / 180
-        assert not abs(angle.sin() - sine) > 2 * near_flow / (q**2 + v**2).sqrt() + 32 * enclose(U)
+        assert abs(angle.sin() - sine) <= 2 * near_flow / (q**2 + v**2).sqrt() + 32 * enclose(U)
 
 
 @claim("T03", evidence=COUNTED, by="worst of samples")
@@ -165,7 +166,7 @@ def _worst_of_samples(key: str) -> Q:
 
 @claim("T04", evidence=PROVED, by="three cases of the roots")
 def test_boundedness_is_decided_rightly_at_the_jordan_block_and_around() -> None:
-    """Powers are called bounded below h = 2 and not at it, where symplectic Euler has a Jordan block; nor beyond."""
+    """Powers are called bounded at h = 199/100, not at 2, where symplectic Euler has a Jordan block, nor at 201/100."""
     at = lambda h: AtStep(M(SYMPLECTIC), h)
     assert at(sympy.Rational(199, 100)).bounded
     assert not at(sympy.Integer(2)).bounded

@@ -67,11 +67,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1273,
     "methods": 5528,
-    "symbolic": 10716,
+    "symbolic": 10761,
     "numeric": 4380,
-    "blackbox": 22020,
+    "blackbox": 22165,
     "enclosure": 5452,
-    "texts": 10460,
+    "texts": 10636,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6120
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

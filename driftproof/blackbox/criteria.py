@@ -46,6 +46,7 @@ _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own 
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS, FIRST_CALL = "Error estimate", "Dense output", "State", "First call"
+FIRST_ONLY = " for its first step only"
 _UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 SINGLE_STEP_CRITERIA = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
@@ -100,7 +101,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
-        Question("Later steps", later, _judge_calls, " for its first step only"),
+        Question("Later steps", later, _judge_calls, FIRST_ONLY),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
         Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]

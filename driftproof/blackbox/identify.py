@@ -12,7 +12,15 @@ from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
 from driftproof.blackbox.families.damping import Damping, read_damping
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
-from driftproof.blackbox.families.reports import family_report, hand_jacobian, read_family, unread_report
+from driftproof.blackbox.families.multistep_runs import later_steps
+from driftproof.blackbox.families.reports import (
+    GOES_ON,
+    family_report,
+    hand_jacobian,
+    make_anew,
+    read_family,
+    unread_report,
+)
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
@@ -26,7 +34,7 @@ from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estima
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
-from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.scripted_answers import REMEMBERS, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import (
     NOT_KNOWN,
@@ -127,6 +135,12 @@ def _identified(runner: IsolatedRunner) -> Report:
     # If later steps depend on earlier ones by no known recurrence, only the first step was read.
     remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
     later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
+    if REMEMBERS in read.seen and make_anew(runner):
+        read, dense, steps = runner.run([read_coefficients, judged_dense, later_steps])
+        alone = steps.result is None or steps.result.holds is not False
+        later = later or (
+            GOES_ON if alone else f"this holds for its first step only: {steps.seen or steps.result.words}"
+        )
     order = runner.outcome_of(partial(measured_orders, explicit=not (read.failed or read.result.implicit)))
     return identification_report(runner, read, order, dense, later)[0]
 
@@ -231,7 +245,9 @@ class Identification:
             lines.append(f"if it should be {key}, verify it: {held} {key}{solved}, or assert_verified in a test")
         else:
             lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
-        if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
+        if seen.coefficients.failed and "y = 0 does not stay 0" in seen.coefficients.seen:
+            lines.append("if it takes differences of f as its Jacobian, hand it that: step(f, jac, t, y, h)")
+        elif seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
             advice = "let a large tolerance accept each step, or examine a solver: --solver"
             lines.append(f"if it adapts its step size, {advice}")
         if seen.coefficients.kind == "unsupported_call":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,7 +17,8 @@ from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
-from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
+from driftproof.blackbox.families.multistep import Corrected
+from driftproof.blackbox.families.reports import GOES_ON, hand_jacobian, make_anew, turns, verify_family
 from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
@@ -24,6 +26,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.stepper.wrappers import substeps_wrapper
@@ -36,6 +39,10 @@ from driftproof.symbolic.rounding.formats import BINARY64
 
 # What a verdict of `verify` that passes remarks on, besides its criteria.
 _REMARKS = (arguments, digits, types)
+# What messages say to the shell, which a test leaves out.
+_SHELL = re.compile(
+    r"(?:--[a-z-]+(?: [^\s-]\S*)? ?)+, in Python |, on the command line --solver| of `driftproof verify --help`"
+)
 
 
 def verify(
@@ -53,12 +60,13 @@ def verify(
 ) -> Report:
     """Verify that a float stepper is `method`: on q'' = -q to the method's any-order rounding bound, and elsewhere.
 
-    `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, or "boris" for a
-    step in a magnetic field. The stepper is tried at `examples` floats from the `domain`; `allowance` adds to the
-    bound. If it takes a force or a right-hand side, its coefficients are read, its steps of a nonlinear problem with t
-    are compared with the method's own, and its order is measured there. If its system is built in, only its steps of
-    q'' = -q are seen, and the verdict says no more. With a `system`, the f(t, y) or f(y) that it should have built in,
-    it is the method's steps on that with which its own are compared; y are its numbers in its own order.
+    `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, "boris" for a
+    step in a magnetic field, or "abm4" for Adams-Bashforth-Moulton (PECE) of order 4. The stepper is tried at
+    `examples` floats from the `domain`; `allowance` adds to the bound. If it takes a force or a right-hand side, its
+    coefficients are read, its steps of a nonlinear problem with t are compared with the method's own, and its order is
+    measured there. If its system is built in, only its steps of q'' = -q are seen, and the verdict says no more. With a
+    `system`, the f(t, y) or f(y) that it should have built in, it is the method's steps on that with which its own are
+    compared; y are its numbers in its own order.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -66,14 +74,17 @@ def verify(
     questions together take at most `time_limit` seconds; those left without time count as not seen. If `isolate` is
     false, the stepper runs in this process, without a limit.
 
-    Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
+    Raises ValueError for a method, calls, examples or an allowance without a sense, and for a domain that overflows.
 
     >>> from driftproof import verify
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
     >>> verify(step, "forward_euler", examples=50, isolate=False).passed
     True
     """
-    found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
+    if not examples > 0:
+        raise ValueError(f"examples={examples}: at least 1 step is tried")
+    boris = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else None
+    found = boris or Corrected.named(method) or subject_of(method)
     if callable(system):  # which no other interpreter can import
         step = imported(step)
     with IsolatedRunner(Target(step, calls, array, system is not None), time_limit, isolate) as runner:
@@ -123,10 +134,10 @@ def assert_verified(
             step, method, calls=calls, array=array, system=system, time_limit=limit, isolate=isolate, **options
         )
     except ValueError as error:  # so that pytest shows the user's line and the message
-        raise ValueError(str(error)) from None
+        raise ValueError(_SHELL.sub("", str(error))) from None
     if report.passed is None and not report.verdict.startswith(UNDECIDED):  # where a test fails for it
         report = replace(report, verdict=f"{UNDECIDED}: {report.verdict}")
-    found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
+    found = AssertedVerdict(report.target, report.verdict, report.passed, _SHELL.sub("", report.text()), report.data)
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
         warnings.warn(found.headline, RemarkWarning, stacklevel=2)
@@ -148,6 +159,8 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
             report = _report_on_one_step(runner, method, questions)
             return replace(report, verdict=report.verdict + handed)
     target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
+    if REMEMBERS in seen.outcomes[criteria.COEFFICIENTS].seen and (found := _made_anew(runner, method, questions)):
+        return found
     of_own = rounding.kind == OwnSystem.kind and seen.passed is None
     wrong, others = _faults_of_any_method(runner, rounding.seen) if of_own else ([], [])
     parts, data = criteria_parts([*seen.checks.values()], seen.passed if not wrong else False)
@@ -171,6 +184,20 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
     parts.append(("Calls made", [f"{made} calls of the stepper"] * bool(made)))  # a process that was ended counts none
     return Report(target, verdict, seen.passed, sections(*parts), data)
+
+
+def _made_anew(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report | None:
+    """The report on a stepper that remembers, each step made by a copy; None if its first step is not the method's."""
+    target = runner.target
+    if not make_anew(runner):
+        return None
+    report = _report_on_one_step(runner, method, questions)
+    if report.passed is False and criteria.FIRST_ONLY not in report.verdict:
+        runner.turn_to(target)
+        return None
+    remarks = [GOES_ON] * bool(report.passed)
+    data = {**report.data, "remarks": [*report.data["remarks"], *remarks]}
+    return replace(report, verdict="; ".join([report.verdict, *remarks]), data=data)
 
 
 def _faults_of_any_method(runner: IsolatedRunner, system: str) -> tuple[list[str], list[str]]:

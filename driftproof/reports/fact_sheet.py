@@ -17,7 +17,7 @@ from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
-from driftproof.symbolic.claimed_orders import restoring_entries, unreached_orders
+from driftproof.symbolic.claimed_orders import false_claims, restoring_entries
 from driftproof.symbolic.facts import (
     FACTS,
     ON_REQUEST,
@@ -69,7 +69,7 @@ class FactSheet(Printable):
         It is empty if no order is among the facts that are printed.
         """
         lines: list[str] = []
-        for found in unreached_orders(self._claims_of, self._tolerance) if self._claims_of else ():
+        for found in false_claims(self._claims_of, self._tolerance) if self._claims_of else ():
             lines.append(str(found))
             row = " b_embedded[" if found.embedded else " b["
             entries = restoring_entries(found.method, found.method.claimed_order)

@@ -69,9 +69,10 @@ def stated_order(method: Entry) -> int:
 
 
 @cache
-def false_claims(method: Entry) -> list[UnreachedOrder]:
+def false_claims(method: Entry, tolerance: Fraction | None = None) -> list[UnreachedOrder]:
     """`unreached_orders` of a method of the user's own; those of the catalogue are tested to have none."""
-    return [] if method in (METHODS.get(method.key), FURTHER_METHODS.get(method.key)) else unreached_orders(method)
+    known = method in (METHODS.get(method.key), FURTHER_METHODS.get(method.key))
+    return [] if known else unreached_orders(method, tolerance)
 
 
 def stated_orders(methods: Iterable[Entry]) -> dict[str, str]:

@@ -15,6 +15,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, total
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import shortened
+from driftproof.symbolic.algebra.rational_functions import exact_text
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.printed_digits import roundings
 from driftproof.symbolic.linear.reduced_tableau import matchings, reduced_stages_of, reduced_word
@@ -154,10 +155,11 @@ def _is_within(x: Exact, y: Exact, radius: Exact) -> bool:
 
 def _shown(x: Exact) -> str:
     """The number in short: a fraction of many digits as the decimal that it is, one with roots with its decimal."""
-    text = str(x)
+    text = exact_text(x)
     if isinstance(x, Fraction):
-        exact = str(Decimal(x.numerator) / x.denominator)
-        return shortened(exact if len(text) > _LONGEST and len(exact) < len(text) else text, 40)
+        decimal = Decimal(x.numerator) / x.denominator
+        exact = str(decimal) if len(text) > _LONGEST and Fraction(decimal) == x else text
+        return shortened(min(exact, text, key=len), 40)
     return f"{text} = {float(x)}" if len(text) <= 4 * _LONGEST else str(float(x))
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, extensions_of
 from driftproof.methods.continuous import ContinuousExtension
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, as_fraction
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root
@@ -18,7 +18,7 @@ from driftproof.symbolic.linear.fact_values import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, TableauStages
-from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, runge_kutta_conditions
 
 
 class EstimateFacts(NamedTuple):
@@ -92,8 +92,8 @@ def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
 def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
     """τ = (Φ - 1/γ)/σ of all trees with `vertices` vertices."""
     conditions = runge_kutta_conditions(method)
-    pairs = zip(residuals(conditions, vertices), conditions.symmetries(vertices), strict=True)
-    return [Fraction(str(x)) / sigma for (_, x), sigma in pairs]
+    pairs = zip(conditions.residuals(vertices), conditions.symmetries(vertices), strict=True)
+    return [as_fraction(x) / sigma for (_, x), sigma in pairs]
 
 
 def extension_facts(method: RungeKutta) -> tuple[ExtensionFacts, ...] | None:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import exact_number, step_count
+from driftproof.methods.rationals import exact_number, state_of, step_count
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import EnclosedReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
@@ -97,6 +97,12 @@ def multiply(a: Entries, b: Entries) -> Entries:
     return (a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3])
 
 
+def conserves_energy(matrix: Entries) -> bool:
+    """True if the matrix is orthogonal, so that q² + v² is the same after every step."""
+    qq, qv, vq, vv = matrix
+    return bool(multiply((qq, vq, qv, vv), matrix) == (1, 0, 0, 1))
+
+
 def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:
     """The matrix times the column (q, v)."""
     return matrix[0] * q + matrix[1] * v, matrix[2] * q + matrix[3] * v
@@ -140,9 +146,9 @@ class OscillatorRun:
 
     Every quantity is a Fraction where it is rational and short, else a procedure that encloses it (`EnclosedReal`).
     The start and t are rational, so the exact state is rational only at t = 0, where Fractions are returned, or if the
-    start is the origin, where the enclosures are exact. Hence no comparison of these numbers is an undecidable tie
-    (Lindemann: cos t and sin t are transcendental at rational t != 0).
-    Raises ValueError if h does not divide t.
+    start is the origin, where the enclosures are exact. Hence no digit of the exact state, of the state error or of the
+    phase error is an undecidable tie (Lindemann: cos t and sin t are transcendental at rational t != 0). An energy is a
+    Fraction also if every step conserves it. Raises ValueError if h does not divide t.
 
     >>> from fractions import Fraction
     >>> from driftproof import METHODS, OscillatorRun, significant
@@ -157,9 +163,9 @@ class OscillatorRun:
     start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
 
     def __post_init__(self) -> None:
-        """Read the method, h and t as users give them. Raises ValueError if h does not divide t."""
+        """Read method, h, t and start as users give them. Raises ValueError if h does not divide t."""
         read = {"method": method_of(self.method), "h": exact_number(self.h, "h"), "t": exact_number(self.t, "t")}
-        for name, value in read.items():
+        for name, value in {**read, "start": state_of(self.start)}.items():
             object.__setattr__(self, name, value)
         step_count(self.t, self.h)
 
@@ -215,15 +221,15 @@ class OscillatorRun:
         """½(q_N² + v_N²)."""
         if self.has_short_fractions:
             return Fraction(_energy(*self.final_state))
+        if conserves_energy(self._matrix):
+            return Fraction(_energy(*self.start))
         return EnclosedReal(lambda: _energy(*_numerical(self)))
 
     @property
     def energy_change(self) -> RunNumber:
         """½(q_N² + v_N²) - ½(q₀² + v₀²)."""
-        before = _energy(*self.start)
-        if self.has_short_fractions:
-            return Fraction(_energy(*self.final_state) - before)
-        return EnclosedReal(lambda: _energy(*_numerical(self)) - enclose(before))
+        before, after = Fraction(_energy(*self.start)), self.energy
+        return after - before if isinstance(after, Fraction) else EnclosedReal(lambda: after() - enclose(before))
 
     @property
     def phase_error(self) -> RunNumber | None:

@@ -116,8 +116,13 @@ def test_the_assertion_names_the_right_method_and_shows_an_example():
 
 def test_an_implicit_stepper_needs_a_tolerance_that_is_stated():
     for ask in (verify, assert_verified):
-        with pytest.raises(ValueError, match="backward_euler is implicit"):
+        shell = "--solver-tolerance 1e-10, in Python " * (ask is verify)
+        with pytest.raises(ValueError, match=rf"backward_euler is implicit: .* give {shell}allowance=Allowance\("):
             ask(backward_euler, "backward_euler")
+    with pytest.raises(ValueError, match=r"does not fit any calling convention; write: "):
+        assert_verified(lambda f, t_span, y0, rtol, atol: y0, "rk4")
+    with pytest.raises(ValueError, match="examples=0: at least 1 step is tried"):
+        verify(symplectic_euler, "symplectic_euler", examples=0)
 
 
 @pytest.mark.slow

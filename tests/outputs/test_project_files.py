@@ -25,6 +25,20 @@ def test_every_path_that_a_page_names_is_there(page):
     assert missing == []
 
 
+def test_every_name_that_contributors_read_is_one():
+    """Names in capitals, and calls of functions."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    files = [
+        *(ROOT / "driftproof").rglob("*.py"),
+        *(ROOT / "tests").rglob("*.py"),
+        ROOT / "README.md",
+        ROOT / "CITATION.cff",
+    ]
+    source = "\n".join(path.name + path.read_text(encoding="utf-8") for path in some(files, 200))
+    named = re.findall(r"`(_?[A-Z]{3}[A-Z_]+|(?:\w+\.)?[a-z_]+(?=\())", text)
+    assert [name for name in some(named, 4) if name.rpartition(".")[2] not in source] == []
+
+
 def test_the_version_is_one():
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

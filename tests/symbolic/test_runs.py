@@ -176,6 +176,19 @@ def test_periodic_run_keeps_exact_fractions_however_long() -> None:
     assert run.energy == Q(1, 18)
 
 
+def test_energies_that_every_step_conserves_are_fractions_however_long_the_state() -> None:
+    run = OscillatorRun("implicit_midpoint", Q(1, 100), Q(100), (Q(1, 3), Q(1)))  # type: ignore[arg-type]
+    assert not run.has_short_fractions
+    assert (run.energy, run.energy_change) == (Q(5, 9), 0)
+
+
+def test_a_start_is_read_exactly_or_refused() -> None:
+    assert OscillatorRun(RK4, Q(1, 4), Q(10), (0.25, "1/3")).start == (Q(1, 4), Q(1, 3))  # type: ignore[arg-type]
+    for start, why in (((0.1, 0.0), "the double 0.1 is not 0.1 exactly"), ((Q(1),), "position,velocity")):
+        with pytest.raises(ValueError, match=why):
+            OscillatorRun(RK4, Q(1, 4), Q(10), start)  # type: ignore[arg-type]
+
+
 def test_long_and_short_forms_print_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
     short = OscillatorRun(RK4, Q(1, 4), Q(10), (Q(1, 3), Q(2)))
     assert short.has_short_fractions

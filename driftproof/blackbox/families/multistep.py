@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -27,7 +29,7 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber, as_array
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, STANDARD_ORDER, CallingConvention
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.handed_slopes import HandedSlopes
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.support.plain_text import Json
 
@@ -35,6 +37,38 @@ from driftproof.support.plain_text import Json
 _FIRST, _WHOLE, _LENGTH = range(2, 10), range(4, 10), 0.5
 # A power of two, over which differences are divided without rounding.
 _SHORT = 2.0**-6
+
+
+# Names of Adams-Bashforth-Moulton methods of an order, with one correction or as many as they say.
+_CORRECTED = re.compile(r"(?:abm|adams[-_ ]bashforth[-_ ]moulton)[-_ ]?([2-6])(?:[- ]\(?p((?:ec){1,2})e\)?)?")
+_HALVES = (Fraction(1, 2), Fraction(1, 2))
+
+
+@dataclass(frozen=True)
+class Corrected(Multistep):
+    """The Adams-Moulton method `corrector`, corrected P(EC)ᵐE from the prediction of Adams-Bashforth of the same order.
+
+    >>> Corrected.named("ABM4").key
+    'adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE)'
+    """
+
+    corrector: Multistep | None = None
+    predictor: str = ""
+    corrections: int = 1
+
+    @classmethod
+    def named(cls, name: object) -> Corrected | None:
+        """The method called abm4, Adams-Bashforth-Moulton 4 (PECE), abm4-PECECE or the like; None for another name."""
+        if not (found := _CORRECTED.fullmatch(str(name).strip().lower())):
+            return None
+        order, often = int(found[1]), len(found[2] or "ec") // 2
+        plain = FURTHER_METHODS[f"adams_moulton{order - 1}"] if order > 2 else None
+        if not isinstance(plain, Multistep):
+            plain = replace(recurrences.FORWARD_EULER, key="trapezoid", claimed_order=2, sigma=_HALVES)
+        predictor = f"adams_bashforth{order}"
+        given = {each.name: getattr(plain, each.name) for each in fields(plain)}
+        key = recurrences.corrected_name(plain.key, predictor, often)
+        return cls(**{**given, "key": key}, corrector=plain, predictor=predictor, corrections=often)
 
 
 @dataclass(frozen=True)
@@ -145,8 +179,15 @@ class MultistepReading(WithEstimate):
 
     @property
     def key(self) -> str | None:
-        """The catalogue key of the method; None if it is none, or if F is evaluated elsewhere."""
+        """The catalogue key of the method, or the short name of one that is corrected; None for another.
+
+        If F is evaluated elsewhere, it is another.
+        """
         found = self.recurrence
+        if found.predictor is not None:
+            short = f"abm{found.predictor.steps}{'-PECECE' * (found.corrections > 1)}"
+            known = Corrected.named(short)
+            return short if known is not None and known.key == found.name else None
         return found.method.key if found.method is not None and not found.asked else None
 
     @property
@@ -191,8 +232,10 @@ class MultistepReading(WithEstimate):
         checks = [Criterion("Recurrence", same, tuple(lines), {})]
         if not same:
             return checks
-        at = found.asked or "F is evaluated at the states that it returns"
-        checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
+        at, placed = found.asked or "F is evaluated at the states that it returns", not found.asked
+        if isinstance(method, Corrected):
+            placed, at = found.name == method.key, at if found.predictor is None else f"it is {found.name}"
+        checks.append(Criterion("Right-hand side", placed, (at,), {}))
         if self.slow_across and self.first_across and not self.first_across.plain:
             seen = f"{self.across}, though it takes account of the change"
             checks.append(Criterion(ACROSS, None, (seen,), {}, f"the order {method.claimed_order} there as well"))

@@ -177,9 +177,7 @@ class RecurrenceReading:
         own = self.recurrence.exact if k == 1 and self.asked else None
         key = self.method.key if self.method is not None else own and _OF_ONE_STEP.get(own.sigma)
         if key and self.predictor is not None:
-            often = "once" if self.corrections == 1 else f"{self.corrections} times"
-            mode = f"P{'EC' * self.corrections}E"
-            return f"{key}, corrected {often} from the prediction of {self.predictor.key} ({mode})"
+            return corrected_name(key, self.predictor.key, self.corrections)
         if key:
             return f"{key}, but {self.asked}" if self.asked else key
         if self.untimed is not None:
@@ -210,6 +208,12 @@ class RecurrenceReading:
         first = self.recurrence.steps - 1 + self.late
         late = ["the first step differs" if first == 1 else f"the first {first} steps differ"] * bool(self.late)
         return [named, *nearest, *self.recurrence.lines, *asked, *late, ONE_SIZE]
+
+
+def corrected_name(corrector: str, predictor: str, corrections: int) -> str:
+    """The method in words whose equation is not solved but put into itself, from a prediction."""
+    often = "once" if corrections == 1 else f"{corrections} times"
+    return f"{corrector}, corrected {often} from the prediction of {predictor} (P{'EC' * corrections}E)"
 
 
 def candidates(derivative: int) -> Iterator[Multistep]:

@@ -54,8 +54,8 @@ def course(
         problem.stepped(moving, t, y, h)
         return [[float(x) for x in state] for state in moving.log.states]
     states: list[list[AnyNumber]] = [list(y)]
-    for n in range(steps):
-        states.append(problem.stepped(moving, t + n * h, states[-1], h))
+    for at, after in pairwise(moving.convention.times(t, h)):
+        states.append(problem.stepped(moving, at, states[-1], after - at))
     return states
 
 
@@ -194,8 +194,8 @@ def order_across(subject: ForeignStepper, order: int, rho: Sequence[float], sigm
 def remembers(subject: ForeignStepper, uneven: float = 0.0, alike: float = ALIKE) -> bool:
     """True if a step after others differs from one taken afresh from that state. Raises UnsupportedCall, Misbehaviour.
 
-    The intervals of a grid of times become longer by `uneven`; a built-in system steps from a state of its own. A part
-    `alike` of the numbers does not count.
+    The intervals become longer by `uneven`; a built-in system steps from a state of its own. A part `alike` of the
+    numbers does not count.
     """
     if subject.shortest > 1:
         return True
@@ -206,8 +206,7 @@ def remembers(subject: ForeignStepper, uneven: float = 0.0, alike: float = ALIKE
         problem, start = runs.problem(h, t, bent=True), runs.start(t)
     longer, alone = replace(subject, convention=replace(subject.convention, uneven=uneven)), [start]
     seen = course(longer, problem, t, start, h, MANY)
-    times = [t + h * n * (1 + uneven * n) for n in range(MANY + 1)]
-    for at, after in pairwise(times):
+    for at, after in pairwise(longer.convention.of_steps(MANY).times(t, h)):
         alone.append(problem.stepped(subject.fresh(), at, alone[-1], after - at))
     off = np.abs(np.array(seen, dtype=float) - np.array(alone[-len(seen) :], dtype=float)).max()
     return bool(off > alike * np.abs(np.array(alone, dtype=float)).max())
@@ -239,18 +238,19 @@ def _clock_of_run(subject: ForeignStepper) -> str:
 
 def later_steps(subject: ForeignStepper, explicit: bool = False) -> StepFinding:
     """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
-    if not subject.convention.run:
+    if not (subject.convention.run or subject.anew):
         return StepFinding(None, "it makes single steps, not runs")
     alike = max(_EXACTLY, _ROUNDINGS * float(subject.format.u)) if explicit else ALIKE
     try:
         departs = remembers(subject, alike=alike)
     except (UnsupportedCall, Misbehaviour) as refusal:
         return StepFinding(None, f"no run of {MANY} steps was obtained: {refusal}")
+    differs = "a step in a run differs from the same step taken alone"
     if departs:
-        differs = "a step in a run differs from the same step taken alone"
         return StepFinding(False, f"{differs}: {_clock_of_run(subject) or 'it remembers, or varies'}")
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
-        if GRID in subject.convention.order and any(remembers(subject, x, alike) for x in _UNEVEN):
-            uneven = "where the times of its grid are unequally spaced"
-            return StepFinding(False, f"{uneven}, a later step takes another step size")
+        grid = GRID in subject.convention.order
+        if (grid or subject.anew) and any(remembers(subject, x, alike) for x in _UNEVEN):
+            uneven = "where the times of its grid are unequally spaced, a later step takes another step size"
+            return StepFinding(False, uneven if grid else f"where h changes, {differs}")
     return StepFinding(True, f"{MANY} steps of a run, each the same as taken alone")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -10,7 +11,7 @@ from typing import Any, TypeAlias
 from driftproof.blackbox.families.imex import ImexIdentity, read_imex
 from driftproof.blackbox.families.magnetic import Boris, MagneticReading
 from driftproof.blackbox.families.magnetic_step import read_magnetic
-from driftproof.blackbox.families.multistep import ACROSS, VELOCITIES, MultistepReading, read_multistep
+from driftproof.blackbox.families.multistep import ACROSS, VELOCITIES, Corrected, MultistepReading, read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
 from driftproof.blackbox.families.quaternions import QuaternionReading, read_quaternion
@@ -33,11 +34,12 @@ from driftproof.methods.schemes import Method
 # The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
     Multistep: "a stepper that takes a right-hand side or a force, and whose copies remember nothing",
-    Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
+    Rosenbrock: "a stepper that takes a Jacobian, in place of its own differences of f: step(f, jac, t, y, h)",
     Boris: "a stepper that takes a magnetic field, step(x, v, E, B, h) or step(v, E, B, h)",
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
+GOES_ON = "remark: it remembers its last step: one from elsewhere than that ended, or after a rejected one, is another"
 # What was read of a stepper: the verdict, the evidence, and how it compares with a method.
 FamilyReading: TypeAlias = MultistepReading | RosenbrockIdentity | ImexIdentity | MagneticReading | QuaternionReading
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
@@ -53,7 +55,7 @@ def read_family(
     if isinstance(asked, Boris):
         return read_magnetic(subject)
     if isinstance(asked, Multistep):
-        return read_multistep(subject, asked)
+        return read_multistep(subject, asked.corrector if isinstance(asked, Corrected) else asked)
     if isinstance(asked, Rosenbrock) or (asked is None and subject.convention.kind == ROSENBROCK):
         return read_rosenbrock(subject, asked)
     if isinstance(asked, Additive) or (asked is None and subject.convention.kind == IMEX):
@@ -95,6 +97,19 @@ def hand_jacobian(runner: IsolatedRunner) -> str:
         return ""
     runner.turn_to(replace(target, calls=FIELD))
     return "; as its Jacobian it was handed differences of f"
+
+
+def make_anew(runner: IsolatedRunner) -> bool:
+    """Examine an object that remembers as one of which a copy makes each step; False if it is none, or that is done."""
+    target = runner.target
+    if not isinstance(target, Target) or target.anew or not runner.outcome_of(_of_object).result:
+        return False
+    runner.turn_to(replace(target, anew=True))
+    return True
+
+
+def _of_object(subject: ForeignStepper) -> bool:
+    return inspect.ismethod(subject.function)
 
 
 def turns(subject: ForeignStepper) -> bool:
@@ -141,7 +156,8 @@ def _not_read(name: str, outcome: Outcome, method: Method | FurtherMethod | Bori
     if outcome.kind not in (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE):
         refuted = f"is not {method.key}" if outcome.kind == NoRecurrence.kind else NO_ANSWER
         return Report(name, f"{refuted}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
-    needed = NO_EVIDENCE.get(outcome.kind or "") or _NEEDED.get(type(method), _TURNING_NEEDED)
+    kind = Multistep if isinstance(method, Multistep) else type(method)
+    needed = NO_EVIDENCE.get(outcome.kind or "") or _NEEDED.get(kind, _TURNING_NEEDED)
     parts = sections(("Not answered", [outcome.said]), ("What would decide it", [needed]))
     verdict = f"{UNDECIDED} whether it is {method.key}: {outcome.seen}"
     return Report(name, verdict, None, parts, {"not_answered": outcome.seen})

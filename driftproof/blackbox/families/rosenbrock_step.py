@@ -70,7 +70,9 @@ def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
     The Jacobian is y₁ -> y₂ -> y₃ -> ..., whatever f is, as W methods allow. Raises NotReadable, UnsupportedCall.
     """
     if JACOBIAN not in subject.convention.order:
-        raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes no Jacobian")
+        raise UnsupportedCall(
+            f"the stepper is called as {subject.convention.kind!r}, which takes no Jacobian: hand it that"
+        )
     return _Probe(subject).reading()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -16,7 +15,6 @@ from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import TOGETHER
-from driftproof.blackbox.stepper.wrappers import wrapper_line
 
 _OF_ONE = "one number shows the stability function only; a step that takes an array of them shows its stages"
 CoefficientReading: TypeAlias = TableauReading | ForceReading
@@ -60,8 +58,7 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             reading = read_implicit_forces(subject)
         except NotReadable as second:
             if str(refusal).endswith(REMEMBERS):
-                owner = type(subject.function.__self__) if inspect.ismethod(subject.function) else None
-                raise NotReadable(f"{refusal}{f'; write{wrapper_line(owner)}' if owner else ''}") from None
+                raise refusal from None
             raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,11 @@ from driftproof.blackbox.solvers.controller import ControllerReading, read_contr
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
-from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
+from driftproof.blackbox.solvers.steps import SolverSteps, read_steps, unlike
 from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of, subject_of
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, RungeKutta
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
@@ -86,6 +87,11 @@ def identify_solver(
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
+    unread = steps.kind == NotReadable.kind and report.answered is not False and not faults
+    if unread and isinstance(wanted, RungeKutta) and wanted.explicit:
+        apart = runner.outcome_of(partial(unlike, method=wanted)).result
+        if apart:
+            return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
     return report if wanted is None else _held(report, steps.result, wanted, faults, remarks)
 
 

@@ -48,6 +48,8 @@ _ODD_SPAN = (0.1, 1.8)
 # The middle of a step. The coefficients of the weights of dense output add up to at most 11424 < 2^14 (dop853_dense):
 # that many times the rounding of a step.
 _MIDDLE, _OF_DENSE = len(THETAS) // 2, 2.0**14
+# Constants in binary32 err by 2^28 u, times an h of 2^-6 or so; `_wrong` allows for 20 times 64 roundings already.
+_CONSTANTS = 2.0**14
 # No explicit method in use makes so many calls in a row at one time.
 _AT_ONE_TIME = 8
 StageRate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
@@ -137,6 +139,30 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
                 seen = f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where the stages read give {said[i]!r}"
                 yield f"{words}, steps differ from the tableau read: {seen}"
                 break
+
+
+def unlike(subject: ForeignSolver, method: RungeKutta) -> str:
+    """Say where most steps with calls at the nodes of an explicit method are not its own; "" if they may be.
+
+    They are those of neither row of a pair, beyond rounding. That is seen of steps whose coefficients are not read.
+    """
+    rows = [[float(x) for x in row] for row in (method.b, method.b_embedded or method.b)]
+    a, c = [[float(x) for x in row] for row in method.a], [float(x) for x in method.c]
+    for words, problem, run in _further_runs(subject):
+        fmt = BINARY32 if in_binary32(run.t) else run.format
+        readings = [TableauReading(tuple(map(tuple, a)), tuple(b), tuple(c), fmt) for b in rows]
+        own, wrong = 0, list[str]()
+        for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+            h, near = after - t, _ROUNDINGS * float(fmt.u) * (abs(t) + abs(after))
+            if not any(c) or any(all(abs(t + x * h - call.t) > near for call in run.calls) for x in c if x):
+                continue
+            own, said = own + 1, [_stepped(each, problem.rate, t, h, y) for each in readings]
+            off = [_wrong(each, problem, t, y1, z, _CONSTANTS) for each, z in zip(readings, said, strict=True)]
+            if (i := off[0]) is not None and off[1] is not None:
+                wrong.append(f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where {method.key} gives {said[0][i]!r}")
+        if 2 * len(wrong) > own:
+            return f"{words}, {len(wrong)} of {own} steps are not its own: {wrong[0]}"
+    return ""
 
 
 def _dense_elsewhere(subject: ForeignSolver, dense: DenseReading) -> Iterator[str]:

@@ -177,7 +177,7 @@ class CallingConvention:
     over the charge; a slope that is handed on is `carried` times it. A `run` returns the states of `steps` steps, or is
     a generator of states. `asks` are the roles of the arguments that its force gets. With `velocity_first`, the stepper
     takes (v, q) and returns (v1, q1). `timed` says whether an answer of several parts begins with the time, if that is
-    known. Each interval of a grid is longer than the one before by twice `uneven` of the first. In place of a velocity
+    known. Each interval of a run is longer than the one before by twice `uneven` of the first. In place of a velocity
     it is given and returned `momentum` times it.
     """
 
@@ -204,6 +204,10 @@ class CallingConvention:
         """The same convention for a run of `steps` steps."""
         counts = {name: steps for name in self.extra if word_of(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
+
+    def times(self, t: Any, h: Any) -> list[Any]:
+        """The times of a run of its steps from t, whose first has the size h unless they are uneven."""
+        return [t + h * n * (1 + self.uneven * n) for n in range(self.steps + 1)]
 
     def scaled(self, words: Sequence[str], by: float) -> CallingConvention | None:
         """The same convention with another mass, or another sign of the charge, called by these words; None if none is.

@@ -221,7 +221,7 @@ class Made(NamedTuple):
         if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.puts else f'return {made}{once[4:]}'}"
-        if not (left or self.arguments or self.puts) and self._alone():  # whose steps may have several lengths
+        if not (left or self.arguments or self.puts):  # its steps may have several lengths
             return f"wrapped = {made}{self.method}"
         arguments = common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
@@ -291,16 +291,6 @@ class Made(NamedTuple):
             if not np.array_equal(np.array(found), np.array(anew)):
                 return True
             state = found
-        return False
-
-    def _alone(self) -> bool:
-        """True if the object itself is a step: it looks back at its steps, or goes on from any state as a new one."""
-        with suppress(Exception):
-            start, names = START[self.kind], self.new(START[self.kind], 0.0)
-            if self._departs(names):
-                return True
-            on, anew = (self.stepped(each, start, 0.0) for each in (names, self.new(start, 0.0)))
-            return bool(np.array_equal(np.array(on), np.array(anew)))
         return False
 
     def fitted(self) -> Made:

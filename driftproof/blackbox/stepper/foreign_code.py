@@ -61,7 +61,8 @@ class ForeignCode:
     `before` receives each call as text before it is made and may refuse it by raising; `after` is called when it is
     over. `pristine` is the code before its first call, or None if it cannot be copied. Runs of fewer steps than
     `shortest` are not made. `single` is true for code that takes one number, so that q and v do not fit into its state.
-    `begun` is the first step of all, as a function of the code that makes it again, with the end that it had.
+    `begun` is the first step of all, as a function of the code that makes it again, with the end that it had. If it is
+    made `anew`, a copy without memory makes each step.
     """
 
     function: Callable[..., Any]
@@ -75,6 +76,7 @@ class ForeignCode:
     shortest: int = 1
     single: bool = False
     begun: tuple[Callable[[Any], Sequence[float]], Sequence[float]] | None = None
+    anew: bool = False
 
     def callback(
         self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]

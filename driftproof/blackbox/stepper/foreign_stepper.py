@@ -54,6 +54,11 @@ class ForeignStepper(ForeignCode):
         log = CallLog(works_in_place=self.log.works_in_place, layout=self.log.layout)
         return replace(self, function=copied, convention=self.convention.of_steps(steps), log=log)
 
+    def with_copies(self) -> ForeignStepper:
+        """The same stepper, of which a fresh copy makes each step. Raises UnsupportedCall if it cannot be copied."""
+        self.fresh()
+        return replace(self, function=lambda *given, **named: self.fresh().function(*given, **named), anew=True)
+
     def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber, t: float = 0.0) -> tuple[AnyNumber, AnyNumber]:
         """One step of its built-in system from t, or of the oscillator if it takes a force or a right-hand side."""
         if self.convention.kind == MAP:
@@ -152,8 +157,7 @@ class ForeignStepper(ForeignCode):
         if CARRIED in self.convention.order:
             roles[CARRIED] = write(rate(t, list(y)))
         if GRID in self.convention.order:
-            uneven, steps = self.convention.uneven, range(self.convention.steps + 1)
-            roles[GRID] = np.array([t + h * n * (1 + uneven * n) for n in steps])
+            roles[GRID] = np.array(self.convention.times(t, h))
         answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 

@@ -262,13 +262,15 @@ def _adapters(
 class Target:
     """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed.
 
-    Where `keeps`, a wrapper in a message replaces nothing of its system.
+    Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
+    object makes each step.
     """
 
     step: Callable[..., Any] | str
     calls: str | None = None
     array: Callable[[Any], Any] | str | None = None
     keeps: bool = False
+    anew: bool = False
 
     @property
     def name(self) -> str:
@@ -290,7 +292,8 @@ class Target:
         """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`."""
         array, step = None if self.array is None else imported(self.array), imported(self.step)
         own = fresh_copy(step) if inspect.ismethod(step) else None
-        return opened(own or step, self.calls, array, before, after, self.keeps)
+        subject = opened(own or step, self.calls, array, before, after, self.keeps)
+        return subject.with_copies() if self.anew and own else subject
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:

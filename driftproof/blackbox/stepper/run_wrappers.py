@@ -170,10 +170,14 @@ def _end_of(answer: Any, start: Any) -> list[Any]:
 
 
 def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], where: Sequence[int]) -> bool:
-    """True if a run of some steps ends elsewhere than as many runs of one step."""
+    """True if a run of some steps ends elsewhere than as many runs of one step, with slopes that depend on its time."""
+    timed = not {"t", "[t, t + h]"}.isdisjoint(given.values())  # any other run begins at a time of its own
+
+    def rate(*x: Any) -> Any:
+        return timed * sum(each for each in x if np.size(each) == 1) - max(x, key=np.size)
 
     def end(t: float, y: Any, n: int) -> Any:
-        known = {**TRIAL_ARGUMENTS, "f": lambda *x: -max(x, key=np.size), "t": t, "y": y, "1": n, "t + h": t + n / 4}
+        known = {**TRIAL_ARGUMENTS, "f": rate, "t": t, "y": y, "1": n, "t + h": t + n / 4}
         span = [0, n] if "1" in given.values() else range(n + 1)
         known |= {"h": n / 4, "[t, t + h]": np.array([t + i / 4 for i in span])}
         return np.asarray(reduce(getitem, where, step(*[known[given[each]] for each in names])), float)

@@ -67,7 +67,7 @@ def enclose(value: CertifiableReal) -> arb:
 
 
 def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -> T:
-    """Return read(value) for a piecewise constant `read`, by Ziv's loop (ziv-1991, section 2).
+    """Return read(value) for a monotone `read` that is constant between jumps, by Ziv's loop (ziv-1991, section 2).
 
     The precision doubles until `read` agrees at both ends of the enclosure; a rational is passed to `read` directly, so
     ties of rationals are exact. Raises Uncertified if LAST_BITS do not separate the number from a jump of `read`.
@@ -128,7 +128,7 @@ def is_less(a: CertifiableReal, b: CertifiableReal) -> bool:
 def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str:
     """`value` correctly rounded to `places` digits after the point, e.g. "-0.479167". A zero has no sign.
 
-    Raises ValueError if places < 0.
+    Raises ValueError if places < 0, Uncertified if the number is too close to where the rounding changes.
 
     >>> from fractions import Fraction
     >>> from driftproof import fixed
@@ -143,7 +143,7 @@ def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str
 def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -> str:
     """`value` correctly rounded to `digits` significant digits: plain from 1e-5 up to 10**digits, else like "3.3e-4".
 
-    Zero is "0". Raises ValueError if digits < 1.
+    Zero is "0". Raises ValueError if digits < 1, Uncertified if the number is too close to where the rounding changes.
 
     >>> from fractions import Fraction
     >>> from driftproof import significant

@@ -29,7 +29,7 @@ class Imaginary:
 class Complex:
     """Two conjugate roots, neither real nor imaginary, of an irreducible polynomial over Z.
 
-    `index` numbers such roots in the upper half-plane, from 0, by real part and then by imaginary part.
+    `index` numbers such roots in the upper half-plane, from 0, in a fixed order.
     """
 
     minimal: Minimal

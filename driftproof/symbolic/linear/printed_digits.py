@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly
+from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly, fmpz
 
 from driftproof.methods.number_field import Exact, as_fmpq
 from driftproof.methods.schemes import RungeKutta
@@ -146,7 +146,7 @@ def _digits(x: Exact) -> int:
     """The number of significant digits of a finite decimal; for any other number, of digits of its denominator."""
     assert isinstance(x, Fraction)
     places = _places(x)
-    return len(str(x.denominator if places is None else x * 10**places).lstrip("-0"))
+    return len(str(fmpz(x.denominator if places is None else int(x * 10**places))).lstrip("-0"))
 
 
 def _places(x: Exact) -> int | None:

@@ -33,7 +33,11 @@ def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[Bou
     >>> from driftproof import METHODS, boundary_points, stability_function_of
     >>> [float(point.z.real) for point in boundary_points(stability_function_of(METHODS["forward_euler"]), 1)]
     [0.0, -1.0, -1.0, -2.0]
+
+    Raises ValueError if `count` is below 1.
     """
+    if count < 1:
+        raise ValueError(f"count = {count}; must be at least 1")
     squares = [Fraction(k * k, count * count) for k in range(count + 1)]
     cosines = [(1 - t) / (1 + t) for t in squares]
     cosines += [-c for c in cosines[-2::-1]]

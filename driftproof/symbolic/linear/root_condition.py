@@ -82,8 +82,12 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
 
     Roots leave the disc only at a t where one comes to the circle, or where two on it meet. A t between two intervals
-    in which the condition holds is no limit: if two ζ on the circle met there, some t near by would have a ζ outside.
+    in which the condition holds is no limit: if two ζ on the circle met there, some t near by would have a ζ outside,
+    as a and b have no common root and so b(ζ) != 0: k meeting roots move as ζ + c (Δt)^(1/k) for all k values of the
+    power, of which one leads out of the disc for Δt of one sign. Raises ValueError if a and b have a common root.
     """
+    if greatest_common_divisor(a, b).degree() > 0:
+        raise ValueError("a and b have a common root; divide both by it")
     degree = max(a.degree(), b.degree())
     forms = half_plane_form(a, degree), half_plane_form(b, degree)
 

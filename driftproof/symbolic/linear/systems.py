@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from typing import Any, NamedTuple
 
 from flint import acb, arb, fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import CertifiableReal, EnclosedReal, enclose, sign_of_ball
+from driftproof.symbolic.algebra.certified import (
+    CertifiableReal,
+    EnclosedReal,
+    Uncertified,
+    enclose,
+    settled,
+    sign_of_ball,
+)
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -58,6 +65,9 @@ from driftproof.symbolic.linear.stability_limits import (
     smallest,
     spectral_radius,
 )
+
+# Factors that agree so far count as equal: no more digits than these are printed of either.
+TIE_BITS = 1 << 11
 
 
 class EigenvalueLimit(NamedTuple):
@@ -111,7 +121,18 @@ class LinearSystem:
         """The largest `factor_at` of those eigenvalues of A of which no other one is known to be larger in modulus."""
         sizes = [(e, abs(ball_of(e))) for e, _ in self.bounds]
         stiffest = [e for e, size in sizes if not any(other > size for _, other in sizes)]
-        return max((self.factor_at(e, h) for e in stiffest), key=lambda x: float(enclose(x)))
+        return reduce(_larger, (self.factor_at(e, h) for e in stiffest))
+
+
+def _larger(x: CertifiableReal, y: CertifiableReal) -> CertifiableReal:
+    """The larger number; either of two that agree in their first `TIE_BITS` bits, as those of equal modulus do."""
+    if isinstance(x, Fraction) and isinstance(y, Fraction):
+        return max(x, y)
+    try:
+        sign = settled(lambda: sign_of_ball(enclose(x) - enclose(y)), last=TIE_BITS)
+    except Uncertified:
+        sign = 1
+    return x if sign > 0 else y
 
 
 class SystemFacts(LinearSystem):

@@ -148,9 +148,12 @@ def _sizes(method: Method, fmt: FloatFormat, growth: arb, factor: arb | None = N
 
 
 def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -> list[Columns]:
-    """The differences, exactly 0 where a ball contains 0: counting a rounding changes far more than a radius."""
+    """The differences of bounds, which are >= 0; where a ball contains 0, its upper end, so that nothing is lost."""
     return [
-        [arb_poly([0 if c.contains(0) else c for c in (x - y).coeffs()]) for x, y in zip(*pair, strict=True)]
+        [
+            arb_poly([c.abs_upper() if c.contains(0) else c for c in (x - y).coeffs()])
+            for x, y in zip(*pair, strict=True)
+        ]
         for pair in zip(more, less, strict=True)
     ]
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import linecache
 import sys
 from fractions import Fraction
+from itertools import product
 from numbers import Rational, Real
 from typing import Any, NoReturn
 
@@ -53,7 +54,8 @@ class Rounded:
     the highest powers of d and eta replaced by `_shortened`.
     `operands` pairs each operand with the exact partial derivative of x by it; `crossed` bounds the product of two
     operands' errors, the only part of `propagated` that those derivatives do not give. `stored_value` is the float
-    itself if it is a known constant, and `may_fuse` marks a product, which a compiler may fuse into a sum.
+    itself if it is a known constant, and `may_fuse` marks a product, which a compiler may fuse into a sum; `in_sums`
+    holds what a known constant may be in a sum: itself and, of a product, its value before rounding.
     """
 
     __slots__ = (
@@ -61,6 +63,7 @@ class Rounded:
         "error",
         "exact",
         "format",
+        "in_sums",
         "may_fuse",
         "operands",
         "propagated",
@@ -83,6 +86,7 @@ class Rounded:
         self.rounds, self.underflows = rounds, underflows
         self.may_fuse = False
         self.stored_value: Fraction | None = None
+        self.in_sums: tuple[Fraction, ...] = ()
         self.propagated: ErrorPolynomial = sum((majorant(partial) * x.error for x, partial in operands), crossed)
         relative = D * (majorant(exact) + self.propagated) if rounds else ZERO
         self.error: ErrorPolynomial = _shortened(self.propagated + relative + (ETA / 2 if underflows else ZERO), fmt)
@@ -125,8 +129,8 @@ class Rounded:
         return self._operand(other, "division") / self
 
     def __neg__(self) -> Rounded:
-        if self.stored_value is not None:
-            return _known(self.format, -self.exact, -self.stored_value)
+        if self.in_sums:
+            return _known(self.format, -self.exact, *(-value for value in self.in_sums))
         return Rounded(self.format, -self.exact, ((self, -ONE),))
 
     def __pos__(self) -> Rounded:
@@ -190,8 +194,10 @@ def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
 
 def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
     exact = x.exact + sign * y.exact
-    if x.stored_value is not None and y.stored_value is not None:
-        return _known(x.format, exact, _nearest(x.format, x.stored_value + sign * y.stored_value))
+    if x.in_sums and y.in_sums:
+        values = {_nearest(x.format, a + sign * b) for a, b in product(x.in_sums, y.in_sums)}
+        if len(values) == 1:  # else the constant depends on what is fused
+            return _known(x.format, exact, values.pop())
     if _is_zero(y):
         return x
     if _is_zero(x):
@@ -208,7 +214,8 @@ def _product(x: Rounded, y: Rounded) -> Rounded:
     factors = [factor.stored_value for factor in (x, y) if factor.stored_value is not None]
     exact = x.exact * y.exact
     if len(factors) == 2:
-        result = _known(x.format, exact, _nearest(x.format, factors[0] * factors[1]))
+        fused = factors[0] * factors[1]
+        result = _known(x.format, exact, _nearest(x.format, fused), fused)
     else:
         result = Rounded(
             x.format,
@@ -228,15 +235,17 @@ def _reciprocal(divisor: Rounded) -> Rounded:
     return _known(divisor.format, constant_polynomial(1 / constant_term(divisor.exact)), 1 / divisor.stored_value)
 
 
-def _known(fmt: FloatFormat, exact: ErrorPolynomial, stored_value: Fraction) -> Rounded:
-    """A constant, stored as `stored_value` where the mathematics has `exact`; the error is their distance.
+def _known(fmt: FloatFormat, exact: ErrorPolynomial, *in_sums: Fraction) -> Rounded:
+    """A constant, stored as the first of `in_sums` where the mathematics has `exact`; the error is their distance.
+
+    It is the larger distance where a product of constants enters sums without a rounding, as the second of `in_sums`.
 
     The distance is sharper than the general bound u|exact|: a rational one is not rounded, so it is 0 for a constant
     that the format holds; an irrational one is rounded up by a relative 2**-GUARD_BITS at most.
     """
     x = Rounded(fmt, exact)
-    x.stored_value = stored_value
-    distance = rational_above(absolute_value(constant_term(exact) - stored_value))
+    x.stored_value, x.in_sums = in_sums[0], in_sums
+    distance = max(rational_above(absolute_value(constant_term(exact) - value)) for value in in_sums)
     x.error = x.propagated = _UNIT * as_fmpq(distance / fmt.u)
     return x
 

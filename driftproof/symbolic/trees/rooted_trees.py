@@ -109,20 +109,18 @@ class TreeTable:
         return tuple(tuple((left, fallen, n) for (left, fallen), n in found.items()) for found in result)
 
 
+@cache
 def tree_table(order: int, kinds: int = 1, internal: int = 1) -> TreeTable:
     """The table of all rooted trees with at most `order` vertices, in which those of lower order keep their numbers.
 
     There are 1, 1, 2, 4, 9, 20, 48, 115, 286, ... trees of order 1, 2, ... (hairer-norsett-wanner-1993, II.2). Raises
-    TooManyTrees.
+    TooManyTrees, and ValueError if `order` is below 1.
     """
-    return _table(order, kinds, internal)
-
-
-@cache
-def _table(order: int, kinds: int, internal: int) -> TreeTable:
+    if order < 1:
+        raise ValueError(f"trees have at least 1 vertex, not {order}")
     if order == 1:
         return TreeTable(kinds, internal, (0, 0, kinds), tuple(range(kinds)), (-1,) * kinds)
-    smaller = _table(order - 1, kinds, internal)
+    smaller = tree_table(order - 1, kinds, internal)
     rests: list[int] = []
     branches: list[int] = []
     for size in range(1, order):

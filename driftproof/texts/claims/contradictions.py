@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from itertools import product
@@ -72,8 +72,6 @@ _LONGEST_GAP = 60
 _LONGEST = 400
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
-# The unit of a time, as in day 20.
-TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
 _OF_TUPLE = r"(?<=\w, )\w+\s?=\s?[-0-9.e]+, ?-?[0-9]"
 SETTING = {
@@ -81,7 +79,9 @@ SETTING = {
     for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))
 }
 # The argument of a stability function, as in z = -10, h*lambda = -1.6 and R(-10).
-_ARGUMENT = r"(?<![\w.])(?:(?:z|h ?[*·]? ?(?:λ|lambda))\s?=\s?|[rR]\((?=-?[0-9./]+\)))"
+_ARGUMENT = (
+    r"(?<![\w.])(?:(?:z|h ?[*·]? ?(?:λ|lambda))\s?=\s?(?:-?[0-9.]+ ?[*·] ?[0-9.]+ ?= ?)?|[rR]\((?=-?[0-9./]+\)))"
+)
 SETTING["z"] = re.compile(rf"{_ARGUMENT}(-?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w| ?[-+*·/] ?[\w(])")
 # Before a number that bounds the orders of several methods, as in zero-stable up to order 6.
 _BOUND = re.compile(r"\b(?:up to|at (?:most|least)|below|above|beyond|than) (?:the )?order \Z")
@@ -190,6 +190,23 @@ def methods_named(text: str) -> set[str]:
     found = [keys for _, keys in _named(text)]
     sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
     return sure.union(*(keys & sure or keys for keys in found))
+
+
+def methods_in_full(text: str) -> set[str]:
+    """The keys of the methods that the lower-case text names by a name of no other method."""
+    return set[str]().union(*(keys for _, keys in _named(text) if len(keys) == 1))
+
+
+def is_one_name(keys: Collection[str]) -> bool:
+    """True if these are the keys of the methods that one name, such as midpoint, may mean."""
+    return {*keys} in _names().values()
+
+
+def with_names_settled(text: str, meanings: Mapping[frozenset[str], frozenset[str]]) -> str:
+    """The lower-case text with the key of the one method that is meant in place of names that may mean several."""
+    if not meanings:
+        return text
+    return spoken_names().sub(lambda name: min(meanings.get(frozenset(_names()[name[0]]), ()), default=name[0]), text)
 
 
 def methods_asked(question: str) -> set[str]:

@@ -7,8 +7,8 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import SETTING, TIME_UNIT, methods_named, spoken_names
-from driftproof.texts.readers.number_words import COUNT_GIVEN
+from driftproof.texts.claims.contradictions import SETTING, methods_named, spoken_names
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
 OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
@@ -18,6 +18,7 @@ ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
+    "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
@@ -41,8 +42,15 @@ SETTING_HEADS = {
     "s": STEP,
     "z": r"z|h ?[*·]? ?λ",
 }
+# The head of a column of limits of step sizes, as in "h max" and "largest stable step", and the fact that it gives.
+LIMIT_OF_STEPS = "limit_of_steps"
+_STEP_SIZE = r"(?:h|[dδ]t|(?:time ?)?steps?(?:[ -]?sizes?)?)\b"
+_LARGEST = r"(?:largest|biggest|longest|max(?:imal|imum)?\b\.?)(?: (?:stable|allowed|permitted|possible|safe))*"
 # Fact of a method -> what the head of its column says.
 _FACTS = {
+    LIMIT_OF_STEPS: rf"(?:{_LARGEST} {_STEP_SIZE}|(?:h|[dδ]t)[_ ]?\{{?(?:max|crit)\w*\}}?|"
+    rf"(?:stable (?:for|if|up to|while)|(?:limit|bound) (?:of|on|for)(?: the)?) {_STEP_SIZE}|"
+    rf"{_STEP_SIZE}[ -](?:limit|bound))(?: ?[<≤(\[,].*)?\Z",
     "stages": r"stages?\b",
     "error_constant": r"error constant",
     "imaginary_limit": r"(?:.*\b(?:interval|limit|bound).*)?\bimaginary\b",

@@ -21,8 +21,9 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     sentence_around,
     sentence_before,
+    with_names_settled,
 )
-from driftproof.texts.claims.heads import fact_in_column
+from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.named_places import NamedPlaces
 from driftproof.texts.claims.phrases import NumberForm
@@ -33,7 +34,7 @@ from driftproof.texts.claims.places import (
 )
 from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_facts import fact_of, fact_said, is_bound, linear_equations
+from driftproof.texts.claims.stated_facts import fact_of, fact_said, is_bound, limit_of_steps, linear_equations
 from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
@@ -95,12 +96,18 @@ class LookAlikes(NamedPlaces):
 
     def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
         fits = self._fits(number)
-        form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
+        form, found, digits, ids = (
+            form_of(number, self.text),
+            [],
+            len(digits_of(number.text, telling=True)),
+            published_values(),
+        )
         percent = self.text.startswith(("%", " %"), number.end)
         possible = [
             k
             for k in self.values.known
-            if (k.answer.unit == "%") == percent or (k.question in self.values.asked and not percent)
+            if not (k.keys and k.keys <= self._not_meant)
+            and ((k.answer.unit == "%") == percent or (k.question in self.values.asked and not percent))
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
         place = self._place_of(number)
@@ -161,22 +168,26 @@ class LookAlikes(NamedPlaces):
         cell, methods = self.tables.cell_of(number), self._place_of(number).methods
         own = methods if self._place_of(number).own else frozenset[str]()
         observed = self._place_of(number).quantity == "observed_order"
-        fact = fact_in_column(cell.head) if cell and not observed and cell.text.strip("≈~° ") == number.text else None
+        alone = cell and not observed and cell.text.strip("≈~°<≤ ").removeprefix("h ").strip("<≤ ") == number.text
+        fact = fact_in_column(cell.head) if cell and alone else None
+        equation = next((one for one in reversed(linear_equations(self.text)) if one.at < number.start), None)
         if self._lower[: number.start].endswith("a(") and self._lower.startswith("°)-stab", number.end):
             return fact_of("angle", methods)
         if not cell:
             before, after = self._said_around(number)
-            equation = next((one for one in reversed(linear_equations(self.text)) if one.at < number.start), None)
             steps = self._place_of(number).steps if SETTING["h"].search(before) else None
             return fact_said(before, after, own, equation, steps)
+        if fact == LIMIT_OF_STEPS:
+            return limit_of_steps(methods, equation)
         return fact_of(fact, methods) if fact and len(methods) == 1 else None
 
     def _said_around(self, number: TextNumber) -> tuple[str, str]:
-        """The sentence before and after the number; the method of the one before in place of "it"."""
+        """The sentence before and after the number; the method before in place of "it", and the one meant."""
         before, after = sentence_around(self._lower, number.start, number.end)
         subject = re.sub(r"\A\s*(?:in [^,]{1,40}, )?(?:the )?", "", sentence_before(self._lower, number.start))
         name = names_in_order(subject)[0] if begins_with_method(subject) else ""
-        return re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before, after
+        before = re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before
+        return with_names_settled(before, self._settled[0]), with_names_settled(after, self._settled[0])
 
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""

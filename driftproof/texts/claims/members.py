@@ -71,7 +71,12 @@ class Member:
         said, what = said.replace("\n", " "), found[0].lower() if found else ""
         digits = len(digits_of(number.text).rstrip("0"))
         of_time = digits >= _FEWEST_FOUND and what[:1] in {"t", "h"} and _FOUND.search(said)
-        if LIMIT.search(said) or of_time or (what == "after " and _GROWN.search(said)):
+        if (
+            LIMIT.search(said)
+            or (what[:1] == "h" and number.text[0] == "-")
+            or of_time
+            or (what == "after " and _GROWN.search(said))
+        ):
             found = None  # what is found, not chosen
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         head = suggestions.tables.column_of(number)

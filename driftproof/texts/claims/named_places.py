@@ -14,6 +14,8 @@ from typing import Any
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import (
     SETTING,
+    is_one_name,
+    methods_in_full,
     methods_named,
     sentence_around,
 )
@@ -73,6 +75,40 @@ class NamedPlaces:
         return found
 
     def _place_of(self, number: TextNumber) -> Place:
+        place, (meanings, undecided) = self._unsettled(number), self._settled
+        methods = frozenset[str]() if number.start in undecided else meanings.get(place.methods, place.methods)
+        return replace(place, methods=methods)
+
+    @cached_property
+    def _settled(self) -> tuple[dict[frozenset[str], frozenset[str]], set[int]]:
+        """The one method that has the numbers beside a name such as midpoint, by all that the name may mean.
+
+        It has three times as many as only another one has, which are undecided; if none has, no method is meant.
+        """
+        has = defaultdict[frozenset[str], dict[str, set[int]]](lambda: defaultdict(set))
+        for number in self._numbers if self.values.stated else ():
+            place = self._unsettled(number)
+            if len(place.methods) > 1 and len(digits_of(number.text)) > 2 and is_one_name(place.methods):
+                for known in (x for x in self.values.written_like(number) if x.stated and x.keys):
+                    if known.keys < place.methods and place.means(known.question, known.keys):
+                        has[place.methods][min(known.keys)].add(number.start)
+        meanings, undecided = dict[frozenset[str], frozenset[str]](), set[int]()
+        for of, numbers in has.items():
+            key, own = max(numbers.items(), key=lambda one: len(one[1]))
+            rest = set[int]().union(*numbers.values()) - own
+            if [*numbers.values()].count(own) == 1:
+                meanings[of] = frozenset({key} if len(own) >= 3 * len(rest) else ())
+                undecided |= rest
+        return meanings, undecided
+
+    @cached_property
+    def _not_meant(self) -> set[str]:
+        """The methods that names of the text may mean, but do not."""
+        others = {key for of, meant in self._settled[0].items() for key in of - meant}
+        return others - methods_in_full(self._lower) if others else others
+
+    def _unsettled(self, number: TextNumber) -> Place:
+        """The place of the number, with all the methods that a name there may mean."""
         if number.start not in self._places:
             place, table = self._named_at(number), self.tables.column_place(number)[0]
             if table in self._methods and not self._names_method(number):
@@ -160,15 +196,22 @@ class NamedPlaces:
         return {x: sum(of) >= max(2 + (x[1] < 0), len(of) / 2) for x, of in tally.items()}
 
     def says_percent_of_error(self, number: TextNumber) -> bool:
-        """True for a percentage that its sentence says to be an error, at a time that it gives."""
-        place, (before, after) = self._place_of(number), sentence_around(self._lower, number.start, number.end)
-        is_error = _ERROR.search(before) or _OFF.match(after)
-        return place.quantity == "percent" and place.sure and "t" in place.near and is_error is not None
+        """True for a percentage that its sentence says to be an error, or of the energy, at a time that it gives."""
+        place = self._place_of(number)
+        if place.quantity == "part_of_energy":
+            return place.sure or "t" in place.near
+        return place.quantity == "percent" and place.sure and "t" in place.near and self.says_error(number)
+
+    def says_error(self, number: TextNumber) -> bool:
+        """True if the sentence says that a percentage is an error."""
+        before, after = sentence_around(self._lower, number.start, number.end)
+        return _ERROR.search(before) is not None or _OFF.match(after) is not None
 
     def only_meant(self, number: TextNumber) -> KnownValue | None:
         """The one value of a stated problem that the number's place names and that is spelled like it."""
         alike = {known.question for known in self.values.written_like(number)}
         found = [known for known in self._meant_at(number) if known.stated and known.question in alike]
+        found = [known for known in found if "abs(" not in known.question] or found  # of a positive one both
         return found[0] if len(found) == 1 else None
 
     def _most_of_tables(self, what: str, counts: Callable[[TextNumber], bool]) -> dict[int, Any]:

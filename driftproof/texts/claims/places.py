@@ -12,7 +12,6 @@ from driftproof.texts.claims.contradictions import (
     LISTED_NUMBER,
     POSITIVE,
     SETTING,
-    TIME_UNIT,
     begins_with_method,
     last_methods_named,
     methods_asked,
@@ -35,7 +34,7 @@ from driftproof.texts.claims.heads import (
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
@@ -60,12 +59,21 @@ _SIZES = re.compile(
 _JOINED = r"(?:, (?:and )?| and | to )"
 # A time is also given by the value of an unknown then, as in y(1).
 _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
-_TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
+_TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the solution's column beside those of methods.
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
+# Words of a change, which is one of the energy if that is spoken of.
+_CHANGES = (
+    "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
+    "drift\\w*|f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\\w*"
+)
+_CHANGED = re.compile(rf"\b(?:{_CHANGES}|which is|that(?: is|'s)|i\.e\.)\b(?:[^.;:]|\.\d){{0,30}}\Z")
+_E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
+# The change of each step, which is that of the first one where all are alike.
+OF_EACH_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
@@ -180,11 +188,11 @@ def asked_quantity(question: str) -> tuple[str, str]:
     if " : " not in question:
         return "fact", ""
     if question.startswith("percent("):
-        return "percent" if "relative_error" in question else "share", ""
+        return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
     if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_").removeprefix("position_"), ""
-    if readout in ("energy", "energy_change"):
-        return "energy", ""
+    if readout in ("energy", "energy_change", "relative_energy_change"):
+        return "relative_energy" if readout[0] == "r" else "energy", ""
     if kind[:1] == "k":
         return kind, ""
     if kind == "error":
@@ -212,6 +220,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     label = QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
     told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
     quantity, name = told.lastgroup if told else "state" if head else None, None
+    if not (quantity or row) and _E_CHANGED.search(before):
+        quantity = "energy"
     of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
@@ -238,10 +248,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
-        of_other = more["percent"] and (
-            quantity == "energy" or re.match(r" ?% of (?:the|its) (?:\w+ )?energy", text[end:])
+        of_energy = more["percent"] and (
+            quantity in ("energy", "relative_energy")
+            or re.match(r" ?% of (?:the|its) (?:\w+ ){0,3}energy", text[end:])
+            or (not (quantity or row) and _CHANGED.search(before) and _says_energy(before, text, start))
         )
-        quantity = "part_of_energy" if of_other else "percent" if more["percent"] else counted or "ratio"
+        quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
+    if quantity == "part_of_energy" and OF_EACH_STEP.match(text, end) and "h" in settings:
+        settings["t"], near, sure = settings["h"], near | {"t"}, False
     if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
         settings["t"], near = Fraction(0), near | {"t"}
     if (
@@ -252,6 +266,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "observed_order"
     if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
+    elif not {"e", "h"} & {*unknowns} and [cell.head_written for cell in row if cell.start <= start][-1:] in (
+        ["E"],
+        ["H"],
+    ):
+        quantity, name = "energy", None
     if name == "r" and name not in unknowns and "z" in settings:
         quantity, name = "stability", None
     elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
@@ -281,6 +300,17 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
     return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own), of_solution)
+
+
+def _says_energy(before: str, text: str, start: int) -> bool:
+    """True if the last quantity of the sentence so far, or of the one before that says what "it" is, is the energy."""
+    said = [*QUANTITY.finditer(before)]
+    if not said and re.search(r"\bit\b", before):
+        said = [*QUANTITY.finditer(before := sentence_before(text, start) + before)]
+    is_energy = bool(said) and said[-1].lastgroup in ("energy", "relative_energy")
+    return is_energy and not re.search(
+        r"\b(?:amplitude|radius|phase|period|speed|height|angle)\b", before[said[-1].end() :]
+    )
 
 
 def _own_of_before(text: str, before: str, after: str) -> set[str]:
@@ -314,6 +344,7 @@ def _settings(
         )
         if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
             beside = None if text[end : end + 1] == "," else beside
+        said = said or (durations(before) if x == "t" else [])
         said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
         near[x] = in_row[-1:] or pattern.findall(head) or said
@@ -328,7 +359,7 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if text.startswith(" after ", end) else []
+        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if re.match(r"(?: ?%)? after ", text[end:]) else []
         taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
         taken = [] if near["t"] else taken
     if taken and "h" in settings:

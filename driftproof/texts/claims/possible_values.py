@@ -140,7 +140,7 @@ class PossibleValues:
 
     def written_like(self, number: TextNumber) -> Sequence[KnownValue]:
         """The values that are spelled as the number is."""
-        return self.written(form_of(number)).get(spelled(number), ())
+        return self.written(form_of(number, self.text)).get(spelled(number), ())
 
     def limited(self, question: str, effort: float = 1.0) -> Answer:
         """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""

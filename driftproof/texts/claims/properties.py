@@ -35,7 +35,8 @@ def properties_in(text: str) -> Iterator[Said]:
     lower = text.lower()
     # A hyphen or the end of a line may stand for each blank of a name.
     for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
-        if not _IN_DOUBT.search(lower, max(0, match.start() - _BEFORE), match.end()):
+        before = re.split(r"[.?!]\s|\n\n", lower[max(0, match.start() - _BEFORE) : match.start()])[-1]
+        if not _IN_DOUBT.search(before + match[0]):
             phrase = text[slice(*match.span())].replace("\n", " ")
             for no, fact in ((x, _FACTS[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
                 answer, found = "no" if match[no] else "yes", dict[str, str | None]()

@@ -34,7 +34,8 @@ _OF_SOMETHING_ELSE = re.compile(
 )
 # Right before a number that bounds step sizes, or h times an eigenvalue; and what happens beyond the bound.
 _BOUND = re.compile(
-    r"(?:(?<![\w'])(?P<by>h ?[*·]? ?(?:\|?(?:λ|lambda)\|?)|\|?(?:λ|lambda)\|? ?[*·]? ?h|h)|(?<!fixed )step ?sizes?)"
+    r"(?:(?<![\w'])(?:(?P<scaled>h ?[*·]? ?(?:\|?(?:λ|lambda)\|?)|\|?(?:λ|lambda)\|? ?[*·]? ?h)|h|[dδ]t)|"
+    r"(?<!fixed )(?:time ?)?step ?sizes?)"
     r"(?: ?(?:[<≤>≥]=?|\\leq?)| (?:up to|below|above|beyond|at most|of at most|less than|smaller than)) ?\Z"
 )
 _BEYOND = re.compile(r"\b(?:unstable|blow\w* up|diverge\w*|explode\w*|grow\w*|beyond)\b")
@@ -57,7 +58,7 @@ _EVALUATIONS = re.compile(
 _EACH = re.compile(r"\bevaluations?\b[^.;]{0,40}\b(?:per|each|every) step\b")
 _VERBS = (
     "(?: has| have| is| needs| takes| makes| uses| used| costs?| requires)?"
-    "(?: has| used| only| just| exactly| already| a| an)* ?"
+    "(?: has| used| only| just| exactly| already| a| an)*(?: \\w+ steps and)? ?"
 )
 
 
@@ -135,7 +136,7 @@ def fact_said(
     if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
-        return fact_of("limit_at_infinity", last_methods_named(before))
+        return fact_of("limit_at_infinity", own or last_methods_named(before))
     flat = re.sub("[-\n]", " ", before)
     has = r"(?::|,| has| is| have)?(?: a (?:\w+ )?method)?(?: (?:of|the|a))*"
     found = _behind_name(rf"{has} +order (?:is |= ?)?").search(flat)
@@ -153,13 +154,16 @@ def _limit_said(
         found = _ENDS_AT.search(before)
         return fact_of(f"-{found['axis']}_limit", methods_named(found["of"])) if found else None
     methods = own or last_methods_named(before)
-    if not (_OF_STABILITY.search(before) and equation and equation.limit):
-        return None
-    fact, of_h = fact_of(equation.limit, methods), (bound["by"] or "h") == "h"
-    if not fact or (of_h and not equation.size):
+    return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None
+
+
+def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str | None = None) -> str | None:
+    """The limit of h of a method on a linear equation, of hλ if it is `scaled`; None for other equations."""
+    fact = fact_of(equation.limit, methods) if equation and equation.limit else None
+    if not (fact and equation) or not (scaled or equation.size):
         return None
     size = f"({equation.size})" if "/" in equation.size else equation.size
-    return f"{fact} / {size}" if of_h and size != "1" else fact
+    return fact if scaled or size == "1" else f"{fact} / {size}"
 
 
 def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:

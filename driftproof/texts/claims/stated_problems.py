@@ -182,7 +182,8 @@ def stated_problems(text: str) -> Iterator[StatedProblem]:
             speeds = "".join(rf"|(?<!\w){speed}(?![\w'])" for speed in speeds_named(spelled, name) if speed not in raw)
             rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
-            energies = [rated.sub(f"d{name}", energy) for energy in energies]
+            velocity = re.compile(r"(?<![\w'])v(?![\w'(])" if len(raw) == 2 and "v" not in raw else r"(?!)")
+            energies = [velocity.sub(f"d{name}", rated.sub(f"d{name}", energy)) for energy in energies]
         part = text[:end]
         if not any("x" in names for _, names, _ in systems):  # y' = x + y: the time is called x
             raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -10,16 +11,19 @@ from itertools import chain, compress, pairwise, product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.texts.claims.contradictions import SETTING, STARTING, TIME_UNIT, methods_named
+from driftproof.texts.claims.contradictions import SETTING, STARTING, methods_named
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.known_values import COUNT_OF_STEPS
+from driftproof.texts.claims.places import OF_EACH_STEP
+from driftproof.texts.claims.possible_values import SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, counts_of_steps
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS = 10_000, 3, 2, 24
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS, _MOST_LATE = 10_000, 3, 2, 24, 4
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _LIST = rf"{NUMBER}(?:(?:,? (?:and |or )?|,){NUMBER})*"
 _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
@@ -71,7 +75,7 @@ def _questions(
     part, at = with_greek_spelled(problem.part), problem.at
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, COUNT_GIVEN, value_at))
-    times += also
+    times += [*also, *map(Fraction, durations(part))]
     said, rows, counts_of_runs = counts_of_steps(part), list[Fraction](), [*counts]
     counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
     for number in numbers_in(text[at : at + len(problem.part)]):
@@ -86,6 +90,7 @@ def _questions(
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
+    after |= {1} if problem.energy and OF_EACH_STEP.search(part.lower()) else set()
     with_slopes = re.search(r"k_?1\b|\bslopes\b", part) is not None
     after |= {1} if with_slopes else set()
     after |= {n for n in map(int, rows) if n}
@@ -109,19 +114,27 @@ def _questions(
     read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
-    runs = list[tuple[Fraction, list[Fraction]]]()
-    for h in sizes[::-1][:_MOST_SIZES] if named else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and many * t / h <= left]
+    runs, late = list[tuple[Fraction, list[Fraction]]](), list[tuple[Fraction, list[Fraction]]]()
+    longer = defaultdict[Fraction, list[int]](list)  # as in "after 1000 steps", of the step size before
+    for found in [x for x in COUNT_OF_STEPS.finditer(part) if _MOST_TIMES <= int(x[1]) < _MOST_COUNTED][:_MOST_LATE]:
+        for size in SETTING["h"].findall(part[: found.start()])[-1:]:
+            longer[Fraction(size)].append(int(found[1]))
+    for group, h in product((runs, late), sizes[::-1][:_MOST_SIZES] if named else ()):
+        ends_of = times if group is runs else sorted({n * h for n in longer[h]} - {*times})
+        fitting = [t for t in ends_of if (t / h).denominator == 1 and many * t / h <= left]
         if fitting := fitting[-_MOST_TIMES:]:
-            left -= many * fitting[-1] / h
-            runs.append((h, fitting))
+            left -= many * max(fitting) / h
+            group.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             for methods in named:
                 yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
                 if problem.energy:
-                    conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                    yield f"run {methods} {conserved} : {{energy,energy_change}}"
-                    yield f"abs(run {methods} {conserved} : energy_change)"
+                    conserved = f"run {methods} {equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
+                    yield f"{conserved} : {{energy,energy_change}}"
+                    yield f"abs({conserved} : energy_change)"
+                    relative = [f"{conserved} : relative_energy_change", f"abs({conserved} : relative_energy_change)"]
+                    shares = map(SHARE.format, relative) if "%" in part else ()
+                    yield from relative if "relative energy" in part.lower() else shares
             if chosen and with_slopes:
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"

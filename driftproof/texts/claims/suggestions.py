@@ -13,6 +13,7 @@ from typing import TypeAlias
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import methods_named, names_limit, sentence_around
+from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
@@ -79,7 +80,7 @@ class Suggestions(LookAlikes):
         if number.is_worded:
             own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
             return {fact: own[0]} if fact and own and number.text not in own else {}
-        found, written = dict[str, str](), self.values.written(form_of(number))
+        found, written = dict[str, str](), self.values.written(form_of(number, self.text))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
@@ -96,6 +97,7 @@ class Suggestions(LookAlikes):
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
+                    of_other |= bool(known.keys) and known.keys <= self._not_meant
                     if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
@@ -113,17 +115,20 @@ class Suggestions(LookAlikes):
                         found |= {known.question: slip} if names_limit(limit, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
                 own = self.fact_spelled(fact, form_of(number))
-                wrong = own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0]))
-                found |= {fact: own[0]} if wrong else {}
-            elif fact in first:
+                if own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0])):
+                    found |= {fact: own[0]}
+            elif fact and (of_row := first.get(fact) or next(iter(self.fact_spelled(fact, form_of(number))), "")):
                 of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
-                of_others &= first[fact].lstrip("-") != spelled(number).lstrip("-")  # not the other convention
-                found |= {fact: first[fact]} if of_others else self._misfit(number, {fact: first[fact]})
+                of_others &= of_row.lstrip("-") != spelled(number).lstrip("-")  # not the other convention
+                wrong = {fact: of_row} if of_others else self._misfit(number, {fact: of_row})
+                found |= {} if self._is_safe(number, fact, Fraction(of_row)) else wrong
             elif not found:
                 in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
                 found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
         found = {} if self._is_of_row(number, found) else found
+        if self._place_of(number).quantity == "percent" and not (self.tables.row_of(number) or self.says_error(number)):
+            found = {x: y for x, y in found.items() if x in self.values.asked}  # of an amplitude, say
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
@@ -140,13 +145,16 @@ class Suggestions(LookAlikes):
         return False
 
     def _is_safe(self, number: TextNumber, fact: str, limit: Fraction) -> bool:
-        """True for a bound of step sizes that is right and no limit: cut off, of two digits, or 1 in 20 away."""
+        """True for a bound of step sizes that is right and no limit: cut off, of two digits, or 1 in 20 away.
+
+        In a column of limits it is cut off or of two digits.
+        """
         x, last = number.value, Fraction(1, 10 ** (number.places or 0))
         before, _ = sentence_around(self._lower, number.start, number.end)
-        safe = is_on_the_safe_side(before, x, limit) and (
-            len(digits_of(number.text)) < 3 or abs(x - limit) <= last or 20 * abs(x - limit) > limit
-        )
-        return is_bound(before) and safe
+        short = len(digits_of(number.text)) < 3 or abs(x - limit) <= last
+        if self.tables.row_of(number):
+            return short and x <= limit and fact_in_column(self.tables.column_of(number)) == LIMIT_OF_STEPS
+        return is_bound(before) and is_on_the_safe_side(before, x, limit) and (short or 20 * abs(x - limit) > limit)
 
     def _methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""

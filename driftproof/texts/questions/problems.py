@@ -43,7 +43,8 @@ _MOST_BITS_OF_SOLUTION = 1024
 _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
 _ERRORS = ("state_error", "relative_error", "largest_error", "error.y0", "position_error")
-PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "energy", "energy_change", "steps", "evaluations")
+_ENERGIES = ("energy", "energy_change", "relative_energy_change")
+PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, *_ENERGIES, "steps", "evaluations")
 # A vector of balls or of Fractions.
 _Row = Sequence[Any]
 
@@ -244,8 +245,9 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
 
     Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
     slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, error.y0, ... of
-    a component, and for q'' = F(t, q, q') position_error; energy and energy_change if the problem has an energy; steps
-    and evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
+    a component, and for q'' = F(t, q, q') position_error; energy, energy_change and relative_energy_change if the
+    problem has an energy; steps and evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta
+    method.
     """
     all_steps = range(run.steps + 1)
 
@@ -272,7 +274,10 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     if run.energy is not None:
         energies["energy"] = lambda run, _, end: run.energies(run.t, end)[0]
         energies["energy_change"] = lambda run, first, end: (
-            run.energies(run.t, end)[0] - run.energies(Fraction(0), first)[0]
+            energies["energy"](run, first, end) - run.energies(Fraction(0), first)[0]
+        )
+        energies["relative_energy_change"] = lambda run, first, end: (
+            energies["energy_change"](run, first, end) / abs(_non_zero(run.energies(Fraction(0), first)[0]))
         )
     rows: dict[str, _OfStates] = {"slope": lambda run, _, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
@@ -308,6 +313,12 @@ def _read(read: _OfStates, run: ProblemRun) -> Answer:
         with suppress(TypeError):  # a function such as log
             return Answer("", read(run, run.start, run.exactly))
     return _enclosed(lambda: read(run, run.numerical()[0], run.numerical()[-1]))
+
+
+def _non_zero(energy: Any) -> Any:
+    if energy == 0:
+        raise ValueError("the energy of the start is 0, so no change is relative to it")
+    return energy
 
 
 def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:

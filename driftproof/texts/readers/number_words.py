@@ -43,12 +43,21 @@ _STEPS = re.compile(
     rf"|(?<=\bafter )({_UNIT})(?=[.,;)])",
     re.IGNORECASE,
 )
+# The unit of a time, as in day 20, and a time with it behind.
+TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
+_DURATION = re.compile(rf"\bafter ([0-9]+(?:\.[0-9]+)?|{_UNIT}) (?:time unit|{TIME_UNIT})s?\b", re.IGNORECASE)
 
 
 def counts_of_steps(text: str) -> list[int]:
     """How many steps the text speaks of, in "200 steps", "one step" or "after five steps", in order."""
     found = ((match[1] or match[2]).lower() for match in _STEPS.finditer(text))
     return [int(count) if count.isdigit() else _SMALL.index(count) for count in found]
+
+
+def durations(text: str) -> list[str]:
+    """The times that the text speaks of, in digits: 1 for "after one second"; in order."""
+    found = (match[1].lower() for match in _DURATION.finditer(text))
+    return [str(_SMALL.index(x)) if x.isalpha() else x for x in found]
 
 
 class TextWord(NamedTuple):

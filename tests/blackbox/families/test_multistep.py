@@ -73,6 +73,8 @@ WRONG = [
     (Remembering(AB4, euler).step, AB4, f"{LATE[:-1]}4"),
     (Remembering(AB2, euler).step, AB3, f"it is {AB2}"),
     (Corrected(AM3, rk4, planted.BASHFORTH4).step, AM3, f"evaluated at the prediction of {AB4}"),
+    (Corrected(AM3, rk4, planted.BASHFORTH4, times=2).step, "abm4", "it is adams_moulton3, corrected 2 times"),
+    (planted.Predicted(1.5, 0.5).step, "abm2", BESIDE),
     (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
     (Displaced(AB2, euler).step, AB2, BESIDE),
     (lambda f, t, y, h: y + 0.875 * h * f(t, y), AB2, f"{ALONE}; it is not consistent: rho'(1) - sigma(1) = 1/8"),
@@ -88,6 +90,19 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
     report = verify(step, key, isolate=False)
     assert report.passed is False, report.text()
     assert words in report.verdict
+
+
+@pytest.mark.parametrize(
+    ("step", "name", "key"),
+    [
+        (planted.Predicted(1.5, -0.5).step, "Adams-Bashforth-Moulton 2 (PECE)", "abm2"),
+        (Corrected(AM3, rk4, planted.BASHFORTH4, times=2).step, "ABM4 PECECE", "abm4-PECECE"),
+    ],
+)
+def test_one_that_is_corrected_passes_by_its_usual_names_and_is_told_the_short_one(step, name, key):
+    report = verify(step, name, isolate=False)
+    assert report.passed, report.text()
+    assert identify(step, isolate=False).section("What to do").lines[0].endswith(f"--method {key}")
 
 
 @pytest.mark.slow

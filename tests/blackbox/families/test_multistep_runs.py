@@ -1,13 +1,18 @@
 """Runs of marked slopes: as many steps as asked for, of one copy, and marks that tell the places in a step apart."""
 
+import re
 from itertools import accumulate, pairwise
 
 import numpy as np
 import pytest
 
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, later_steps, remembers
+from driftproof.blackbox.families.reports import GOES_ON
 from driftproof.blackbox.findings import StepRaised, UnsupportedCall, WrongShape
+from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.verify import verify
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Remembering, Stormer
 from tests.blackbox.handwritten_steppers import euler
@@ -84,3 +89,52 @@ def test_a_run_that_cannot_go_on_is_not_said_to_go_on_as_it_begins():
     subject.pristine = lambda f, t, y, h: 1 // 0
     with pytest.raises(StepRaised, match="ZeroDivisionError"):
         MarkedRuns.of(subject)
+
+
+class KeepsSlope:
+    """The midpoint method that begins with a slope from its last step, kept and used in a way that is given."""
+
+    def __init__(self, kept, used):
+        self.kept, self.used, self.last = kept, used, None
+
+    def step(self, f, t, y, h):
+        k = f(t, y) if self.last is None else self.used(self.last, h)
+        y1 = y + h * f(t + h / 2, y + h / 2 * k)
+        self.last = self.kept(f, t, y1, h)
+        return y1
+
+
+ALONE = "a step in a run differs from the same step taken alone"
+KEPT = [
+    (KeepsSlope(lambda f, t, y, h: f(t + h, y), lambda k, h: k), ""),
+    (KeepsSlope(lambda f, t, y, h: (h * f(t + h, y), h), lambda k, h: k[0] / k[1]), ""),
+    (KeepsSlope(lambda f, t, y, h: h * f(t + h, y), lambda k, h: k / h), f"where h changes, {ALONE}"),
+    (KeepsSlope(lambda f, t, y, h: f(t, y), lambda k, h: k), f"{ALONE}: it remembers, or varies"),
+    (KeepsSlope(lambda f, t, y, h: f(t + h / 2, y), lambda k, h: k), f"{ALONE}: it remembers, or varies"),
+]
+
+
+@pytest.mark.parametrize(("made", "wrong"), KEPT, ids=range(len(KEPT)))
+def test_an_object_that_keeps_a_slope_for_its_next_step_is_judged_by_copies_and_by_runs_of_changing_steps(made, wrong):
+    right = f"midpoint2 to roundoff: 40 steps within the derived bound.*; {GOES_ON}"
+    told = f"is {right}$" if not wrong else f"is midpoint2 for its first step only: {wrong}$"
+    report = verify(made.step, "midpoint2", examples=40, isolate=False)
+    assert re.match(told, report.verdict)
+    assert report.data["remarks"] == [GOES_ON] * (not wrong)
+    found = identify(made.step, isolate=False).verdict
+    assert re.match(f"it is midpoint2; {'this holds for its first step only: ' if wrong else GOES_ON}", found)
+
+
+def test_a_run_of_one_step_in_place_of_a_run_whose_later_times_are_wrong_is_not_shown():
+    def rk2(f, a, b, alpha, n):
+        h, t, ys = (b - a) / n, a, [alpha]
+        for i in range(n):
+            ys.append(ys[-1] + h * f(t + h / 2, ys[-1] + h / 2 * f(t, ys[-1])))
+            t = a + i * h
+        return np.array(ys)
+
+    line = wrapper_line(rk2)
+    exec(line[2:], names := {"rk2": rk2})
+    assert verify(names["wrapped"], "midpoint2", examples=40, isolate=False).verdict.endswith(
+        "call f at t - 1 h instead of t"
+    )

@@ -131,7 +131,9 @@ def test_another_method_and_a_step_without_a_jacobian_are_not_it():
     assert "is not ros3p; it is ros2" in verify(rosenbrock("ros2"), "ros3p", isolate=False).verdict
     report = verify(lambda f, t, y, h: y + h * f(t, y), "ros2", isolate=False)
     assert report.passed is None
-    assert report.section("What would decide it").lines == ("a stepper that takes a Jacobian, step(f, jac, t, y, h)",)
+    assert report.section("What would decide it").lines == (
+        "a stepper that takes a Jacobian, in place of its own differences of f: step(f, jac, t, y, h)",
+    )
 
 
 def test_what_is_read_is_shown_with_the_orders():

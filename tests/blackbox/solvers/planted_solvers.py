@@ -31,6 +31,7 @@ def adaptive(
     most=4.0,
     estimate=lambda e: e,
     stale=False,
+    carried=-1,
     clock=float,
     ending="cut",
     on_nan="fail",
@@ -54,7 +55,8 @@ def adaptive(
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
 
-    Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
+    Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `carried`, which slope it is after a
+    step; `clock`, another number format of t;
     `ending` "beyond" or "tiny"; `on_nan` "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
@@ -106,7 +108,7 @@ def adaptive(
             factor = changed(factor, rejections + (r > accepted))
             if r <= accepted or abs(h) <= shortest:
                 t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
-                first = k[-1] if first_same_as_last else f(float(t), y)
+                first = k[carried] if first_same_as_last else f(float(t), y)
                 factor = min(1.0, factor) if rejections and not grows_after_rejection else factor
                 rejections = 0
                 times.append(float(t))

@@ -127,6 +127,14 @@ def before_its_time(f, t_span, y0, rtol, atol):
     return [times[0], *times[:-1]], states
 
 
+def between_its_times(f, t_span, y0, rtol, atol):
+    """The solver with a state between each two, which its right-hand side gives."""
+    times, states, *_ = adaptive()(f, t_span, y0, rtol, atol)
+    pairs = [(t, y, (after - t) / 2) for t, after, y in zip(times, times[1:], states, strict=False)]
+    found = [each for t, y, h in pairs for each in ((t, y), (t + h, y + h * f(t + h / 2, y + h / 2 * f(t, y))))]
+    return [*(t for t, _ in found), times[-1]], [*(y for _, y in found), states[-1]]
+
+
 def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
     slow = Mock(side_effect=NoAnswer("no answer within 1 s"))
     monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.read_runs", slow)
@@ -138,6 +146,13 @@ HELD = {
     "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54"),
     "another": (adaptive("dormand_prince54", exponent=0.2), "cash_karp54", False, "is not cash_karp54; it advances"),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
+    "of a stage": (
+        adaptive(carried=-2),
+        "bogacki_shampine32",
+        False,
+        "is not bogacki_shampine32: with five components",
+    ),
+    "between": (between_its_times, "bogacki_shampine32", None, "undecided whether it is bogacki_shampine32: its steps"),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32; remark: where f "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (by_number(adams_bashforth2), "adams_bashforth3", False, "is not adams_bashforth3; it advances"),

@@ -14,7 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import System, parse_system
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
-from driftproof.symbolic.algebra.certified import enclose, endpoints
+from driftproof.symbolic.algebra.certified import enclose, endpoints, significant
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
@@ -300,6 +300,9 @@ def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
     assert facts("backward_euler", "1 0; 0 -1").stiffest_factor(Q(3)) == Q(1, 2)
     turning = enclose(facts("backward_euler", "0 1 0; -1 0 0; 0 0 -1/8").stiffest_factor(Q(1)))
     assert float(turning) == pytest.approx(sqrt(1 / 2))
+    # 1 - h + ... of -1, or sqrt(1 - h⁶/72 + ...) of ±i, which no float tells apart at this h
+    found = facts("rk4", "-1 0 0; 0 0 1; 0 -1 0").stiffest_factor(Q(1, 10**20))
+    assert significant(lambda: 1 - enclose(found), 2) == "6.9e-123"
 
 
 @pytest.mark.parametrize(

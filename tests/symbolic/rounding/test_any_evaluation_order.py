@@ -134,6 +134,18 @@ def test_the_bound_is_that_of_the_polynomials(key, fmt):
                 assert bool(abs(at(found, *step) - enclose(want)) <= enclose(want) * enclose(Q(1, 2 ** (BITS - 10))))
 
 
+def test_too_few_bits_make_the_bound_wider_and_lose_nothing():
+    """The differences drown in the balls, whose upper ends are then the bound."""
+    coarse, fine = (any_order_columns(NINE["rk4"], BINARY16, bits) for bits in (1, 320))
+    pairs = [
+        (x[i], y[i])
+        for rough, right in zip(coarse, fine, strict=True)
+        for x, y in zip(rough, right, strict=True)
+        for i in range(len(y))
+    ]
+    assert all(x.abs_upper() >= y.abs_lower() for x, y in exactly(30, pairs))
+
+
 def test_flushing_costs_some_smallest_normal_numbers():
     lost = at(flushed_columns(METHODS["forward_euler"], BINARY64, BITS)[0], Q(1), Q(1), Q(1))
     assert bool(lost > enclose(Q(1, 2**1022)))

@@ -191,3 +191,11 @@ def test_what_is_no_number_of_the_format_or_not_linear_is_refused():
         fixed_step_bound(rk4, Q(1, 10))
     with pytest.raises(NotLinear, match=r"q\*\*3"):
         fixed_step_bound(forward_euler, Q(1, 4), force=lambda q: q * q * q)
+
+
+def test_a_constant_that_depends_on_what_is_fused_is_not_taken_as_the_one_that_is_stored():
+    """fl(1 - fl(3 fl(1/3))) is 0, and fused, fl(1 - 3 fl(1/3)), it is 2⁻⁵⁴."""
+    bound = fixed_step_bound(lambda force, q, v, h: ((1 - h * Q(1, 3)) * q + v, v), Q(3))
+    fused = 1 - 3 * BINARY64.nearest(Q(1, 3))
+    assert fused == Q(1, 2**54)
+    assert bound.error_of(Q(1), Q(0))[0] >= fused

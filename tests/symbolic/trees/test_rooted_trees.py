@@ -149,7 +149,7 @@ def test_symmetry_of_coloured_trees_respects_colours() -> None:
 
 def test_an_order_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "MOST_TREES", 1000)
-    tables._table.cache_clear()
+    tables.tree_table.cache_clear()
     assert len(tree_table(10).ids(10)) == 719
     with pytest.raises(TooManyTrees, match="more than 1000 trees of order 11"):
         tree_table(11)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.heads import fact_in_column, is_head_of, is_of_steps, leaves_quantity
+from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column, is_head_of, is_of_steps, leaves_quantity
 from driftproof.texts.claims.suggestions import Suggestions
 
 TABLE = """We solve x' = x(1 - y), y' = y(x - 1), x(0) = 2, y(0) = 1 with h = 0.1.
@@ -52,4 +52,7 @@ def test_rows_that_are_exchanged_below_numbers_of_steps_are_slips_and_the_others
 def test_a_head_names_a_setting_a_fact_or_a_method_only():
     assert [is_head_of(*one) for one in (("h", "step"), ("t", "time (s)"), ("n", "t"))] == [True, True, False]
     assert (fact_in_column("stages"), fact_in_column("steps")) == ("stages", None)
+    limits = "h max", "h_{max}", "max dt", "largest stable step", "stable for h <", "step-size limit", "limit on h"
+    assert {*map(fact_in_column, limits)} == {LIMIT_OF_STEPS}
+    assert {*map(fact_in_column, ("h", "max error", "largest step error", "step"))} == {None}
     assert [leaves_quantity(head, ["y"]) for head in ("rk4", "rk4 error", "rk4 y")] == [True, False, False]

@@ -57,6 +57,32 @@ def test_two_numbers_of_two_digits_that_agree_and_a_table_of_others_may_be_chanc
         assert not [x.text for x in numbers if strong(suggestions, x)]
 
 
+MIDPOINT = "y' = -2t y^2, y(0) = 1 and h = 0.2.\n\n| t | midpoint rule | RK4 |\n" + "".join(
+    f"| {t} | {{}} | {rk4} |\n" for t, rk4 in (("0.2", "0.96153"), ("0.4", "0.86205"), ("0.6", "0.73528"))
+)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "methods", "claims"),
+    [
+        (("0.96000", "0.85774", "0.73010"), {"midpoint2"}, 3),
+        (("0.96152", "0.86179", "0.73440"), {"implicit_midpoint"}, 3),
+        (("0.96000", "0.85774", "0.73001"), {"midpoint2"}, 2),
+        (("0.96000", "0.86179", "0.73010"), set(), 0),  # some of each
+        (("0.12345", "0.23456", "0.34567"), {"midpoint2", "implicit_midpoint"}, 0),
+    ],
+)
+def test_a_name_of_several_methods_means_the_one_that_has_the_numbers(numbers, methods, claims):
+    suggestions = Suggestions(MIDPOINT.format(*numbers) + "\nThe midpoint rule has order 2.")
+    found = [x for x in suggestions._numbers if x.text in numbers]
+    held = [one for x in found for one in strong(suggestions, x)]
+    assert suggestions.methods_at(found[0]) == methods
+    assert len(held) == claims
+    assert all(one.startswith(f"run {min(methods)} ") for one in held)
+    order = suggestions.look_alikes(suggestions._numbers[-1])[0].question
+    assert order == f"order {min(methods, default='implicit_midpoint')}"
+
+
 def test_a_table_that_names_no_method_is_of_the_one_that_its_numbers_have():
     suggestions, numbers = of_table(ORDERS)
     assert {x.text: [*suggestions.slips(x).values()] for x in numbers if not strong(suggestions, x)} == {

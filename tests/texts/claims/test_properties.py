@@ -14,6 +14,7 @@ from driftproof.texts.claims.properties import properties_in
         ("Leapfrog is symplectic", "symplectic position_verlet", "yes", True),
         ("Euler's method is A-stable", "a_stable forward_euler", "yes", False),
         ("Heun's is not A-stable", "a_stable heun2", "no", True),
+        ("It is so if R(∞) = 0. Backward Euler is L-stable", "l_stable backward_euler", "yes", True),
         ("classical RK4 is symmetric", "symmetric rk4", "yes", False),
     ],
 )

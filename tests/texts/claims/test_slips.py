@@ -267,6 +267,29 @@ def test_a_part_of_the_energy_is_no_relative_error(said, slips):
     assert [len(one) for one in found] == [slips]
 
 
+OSCILLATES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2. We take h = 0.1.\n\n"
+
+
+@pytest.mark.parametrize(
+    ("said", "claimed", "slips"),  # of the last percentage
+    [
+        ("Euler's energy grows by 4.0 % per step", True, []),
+        ("Euler's energy grows by 4.0 % per step; after 10 steps it has grown by 48 %", True, []),
+        ("Euler's energy grows by 4.0 % per step; after 10 steps it has grown by 84 %", False, ["48"]),
+        ("The energy of Euler's method grows. After 100 steps it has grown by 4950 %", True, []),
+        ("RK4 loses 0.000088 % of its energy in each step, so that after 10 steps it has lost 0.00088 %", True, []),
+        ("Heun's method gains 0.0400 % of the energy in each step and 0.401 % after 10 steps", True, []),
+        ("Euler's energy grows. After 10 steps the amplitude has grown by 21.7 %", False, []),  # relative error: 22.7
+    ],
+)
+def test_a_percentage_by_which_the_energy_grows_is_that_of_the_run_or_of_a_step(said, claimed, slips):
+    suggestions = Suggestions(text := OSCILLATES + said + ".")
+    number = [x for x in numbers_in(text) if text.startswith(" %", x.end)][-1]
+    strong = [one.question for one in suggestions.look_alikes(number)[:1] if one.strong]
+    assert [" : relative_energy_change" in one for one in strong] == [True] * claimed
+    assert sorted({*suggestions.slips(number).values()}) == slips
+
+
 COOLING = "u'=-3u + t, u(0)=2"
 STALE = """\
 Exercise A

@@ -16,11 +16,12 @@ from driftproof.texts.readers.numbers import numbers_in
         ("1.20", "1.20", NumberForm(places=2)),
         (".5", "0.5", NumberForm(places=1)),
         ("1,000", "1000", NumberForm()),
+        ("159 %", "159", NumberForm(digits=3)),
     ],
 )
 def test_a_number_is_spelled_as_values_are(text, spelling, form):
     (number,) = numbers_in(text)
-    assert (spelled(number), form_of(number)) == (spelling, form)
+    assert (spelled(number), form_of(number, text)) == (spelling, form)
 
 
 def test_telling_digits_are_those_before_the_zeros_of_a_round_value():

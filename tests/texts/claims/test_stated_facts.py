@@ -6,6 +6,8 @@ from driftproof.texts.claims.stated_facts import fact_of, is_bound, is_on_the_sa
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 
+LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04 |\n| Heun | 0.04 |\n"
+
 
 @pytest.mark.parametrize(
     ("text", "fact", "slip"),  # of the number in brackets
@@ -48,6 +50,13 @@ from driftproof.texts.readers.numbers import numbers_in
         ("The Dormand-Prince method has [six] stages.", None, None),  # or seven
         ("Heun with [three] stages has order three.", None, None),
         ("RK4 needs [5] evaluations per step with an error estimate.", None, None),
+        (f"{LIMITS}| RK4 | [0.0557] |", "real_limit rk4 / 50", None),
+        (f"{LIMITS}| RK4 | [0.0577] |", "real_limit rk4 / 50", "0.0557"),
+        (f"{LIMITS}| RK4 | ≤ [0.05] |", "real_limit rk4 / 50", None),  # cut off
+        ("R(z) tends to R(∞) = [1] for the trapezoidal rule.", "limit_at_infinity trapezoid", "-1"),
+        (f"{LIMITS}| implicit Euler | [0.05] |", "real_limit backward_euler / 50", None),
+        ("On x'' = -10x, RK4 explodes for dt > [0.8944].", "imaginary_limit rk4 / sqrt(10)", None),
+        ("RK4 with h = 0.2 takes 10 steps and [44] evaluations.", "10*evaluations_per_step rk4", "40"),
         ("RK4 on y' = -50y needs h ≤ [0.0125] for three digits.", "real_limit rk4 / 50", None),
     ],
 )  # fmt: skip

@@ -89,7 +89,10 @@ def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, mo
         run = f"run forward_euler problem={name}.toml h=1/4 N=3"
         assert value(f"{run} : energy").exact == energy
         assert value(f"{run} : energy_change").exact == energy - (2 + Q(1, 4))
+        assert value(f"{run} : relative_energy_change").exact == energy / (2 + Q(1, 4)) - 1
         assert value(f"run rk4 problem={name}.toml h=1/4 N=3 from 0,1 : energy").exact != energy
+    with pytest.raises(ValueError, match="the energy of the start is 0"):
+        value("run rk4 y'=-y, y(0)=1, energy=y-1, h=1/4 t=1 : relative_energy_change")
     require_refusal("run rk4 rates=(-y0) from 1 h=1/4 t=1 : energy", 40, "'energy' is not a readout of run")
 
 

@@ -13,6 +13,9 @@ from tests.texts.readers.reading import blocks, read
         ("a  b\n\n0.5  0.42", "a b\n0.5 0.42"),  # no heads above it
         ("h  Euler  RK4\n0.5        0.42", "h Euler RK4\n0.5 0.42"),
         ("h     e     ratio\n0.5   0.42\n0.25  0.20  2.1", "| h | e | ratio\n| 0.5 | 0.42\n| 0.25 | 0.20 | 2.1"),
+        ("     a    b\nh         \n0.5  1  NaN", "| h | a | b\n| 0.5 | 1 | NaN"),
+        ("   a    b\n0  1  2.5", "| | a | b\n| 0 | 1 | 2.5"),
+        ("    a    b\n0  1  2.5", "a b\n0 1 2.5"),  # heads elsewhere
         ("One.  Two 3.\nThen.  It is 0.5", "One. Two 3.\nThen. It is 0.5"),
         ("| a  b |\n| 1  2 |", "| a b |\n| 1 2 |"),
     ],

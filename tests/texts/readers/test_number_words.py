@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.readers.number_words import counts_of_steps, is_worded, worded_number, worded_trend, words_in
+from driftproof.texts.readers.number_words import (
+    counts_of_steps,
+    durations,
+    is_worded,
+    worded_number,
+    worded_trend,
+    words_in,
+)
 from tests.looping import some
 
 SPELLED = {
@@ -56,4 +63,5 @@ def test_trend_is_the_sign_of_a_change():
 
 def test_steps_are_counted_in_digits_and_words():
     assert counts_of_steps("After five steps, 200 time steps, One step or ten equal steps") == [5, 200, 1, 10]
+    assert durations("After one second, after 2.5 time units, after two steps and in 3 days") == ["1", "2.5"]
     assert counts_of_steps("stepsize 3, twenty steps, 1.5 steps, five stepping stones, 3 step sizes") == []
