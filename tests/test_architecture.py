@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5528,
-    "symbolic": 10761,
-    "numeric": 4380,
+    "methods": 5513,
+    "symbolic": 10764,
+    "numeric": 4450,
     "blackbox": 22165,
-    "enclosure": 5452,
+    "enclosure": 5549,
     "texts": 10636,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6120
+BUDGET_OF_REPORTS_AND_FRONT = 6126
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

@@ -220,7 +220,7 @@ class Certificate(Printable):
 
 
 def decimal(x: arb) -> str:
-    """As many digits, ten at most, as all numbers in the ball round to; the ball itself if they share not even one."""
+    """The digits, ten at most, to which all numbers in the ball round; the ball itself if they share not even one."""
     with suppress(Uncertified):  # of a number too long to write out
         ends = endpoints(x) if x.is_finite() else ()
         write = scientific if max(map(abs, ends), default=0) < _LEAST_PLAIN else significant

@@ -25,7 +25,7 @@ Value: TypeAlias = Any
 # Whose lines are not the user's, and how much of one of these is quoted.
 _OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
 # How many refusals this thread has made: one more after a run of f is one that f has caught.
-REFUSALS = ContextVar("refusals made", default=0)
+REFUSED_SO_FAR = ContextVar("refusals made", default=0)
 _ONE_THREAD = RLock()
 
 
@@ -52,7 +52,7 @@ class Refused(ArithmeticError):
     def __init__(self, message: str, t: Fraction | None = None) -> None:
         super().__init__(message)
         self.t = t
-        REFUSALS.set(REFUSALS.get() + 1)
+        REFUSED_SO_FAR.set(REFUSED_SO_FAR.get() + 1)
 
 
 class Stiff(Refused):

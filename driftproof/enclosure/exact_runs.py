@@ -167,9 +167,9 @@ def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = 
     of the `exact` run, all intervals are looked at, and first whether the run is still as near to it as rounding in
     this interval alone would leave it; without them, some, and none of too many steps.
     """
-    step, found = exact_step(plan.method, plan.f, len(run.states[0])), list[int]()
+    step = exact_step(plan.method, plan.f, len(run.states[0]))
     per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)
-    intervals = len(plan.counts)
+    intervals, found = len(plan.counts), list[int]()
     most = intervals if exact else max(1, MOST_LOOKED_AT // max(plan.counts))
     for i in sorted({intervals * k // most for k in range(most)}):
         y, after = (tuple(map(arb, state)) for state in run.states[i : i + 2])

@@ -28,7 +28,7 @@ from driftproof.support.plain_text import shortened
 # Methods as users give them, one or several: a key or name, a file, the method itself.
 GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
 # Methods that are not in the catalogue, each after the name that it has in a scene.
-OwnMethods: TypeAlias = tuple[tuple[str, Method], ...]
+NamedMethods: TypeAlias = tuple[tuple[str, Method], ...]
 
 
 def method_of(given: str | Path | Method | Family | FurtherMethod) -> Method:
@@ -93,7 +93,7 @@ def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | 
     return found or entry_named(name)
 
 
-def names_of(given: GivenMethods) -> tuple[list[str], OwnMethods]:
+def names_of(given: GivenMethods) -> tuple[list[str], NamedMethods]:
     """The names of these methods in a scene, which are keys and files, and those of them that are not in the catalogue.
 
     One with the key of another method there is "of your own". Raises ValueError for two of your own with one key.

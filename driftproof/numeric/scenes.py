@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.given_methods import OwnMethods, entry_of, method_of
+from driftproof.methods.given_methods import NamedMethods, entry_of, method_of
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
@@ -67,7 +67,7 @@ class Scene:
     certified: tuple[str, ...] = ()
     panels: tuple[str, ...] = ()
     problem: Problem | None = None
-    own: OwnMethods = ()
+    own: NamedMethods = ()
 
     def __post_init__(self) -> None:
         """Raise SceneError for an unknown name, an empty request, or an h that does not divide t."""

@@ -39,7 +39,7 @@ _VANISHED = (1 << BITS) // 10**9
 FEWER = 36
 _U = 2.0**-53
 # Each sweep to balance a matrix makes it smaller; chosen: two suffice in most units, many in those of a long chain.
-MOST_SWEEPS = 100
+_MOST_SWEEPS = 100
 
 
 # Chosen: a solution that decays by e^-1000 where it follows slower ones costs explicit methods some 400 steps or more.
@@ -132,12 +132,12 @@ def powers_stay_bounded(matrix: _Matrix) -> bool:
     """
     if not np.isfinite(matrix).all():
         return False
-    matrix = balanced(matrix)
+    matrix = in_balanced_units(matrix)
     verdict = _by_floats(matrix)
     return _by_integers(matrix) if verdict is None else verdict
 
 
-def balanced(matrix: _Matrix) -> _Matrix:
+def in_balanced_units(matrix: _Matrix) -> _Matrix:
     """The matrix in units 2**e of its components, chosen from it alone: entries (i, j) times 2**(eⱼ - eᵢ).
 
     Where components act on each other, rows and columns have about the same sum (osborne-1960). Others, on which they
@@ -153,7 +153,7 @@ def balanced(matrix: _Matrix) -> _Matrix:
     mutual, order = acts & acts.T, np.argsort(acts.sum(axis=1), kind="stable")  # what acts comes first
     groups = [group for i in order if (group := np.flatnonzero(mutual[i]))[0] == i]
     for group in groups:
-        for _ in range(MOST_SWEEPS * (len(group) > 1)):
+        for _ in range(_MOST_SWEEPS * (len(group) > 1)):
             before = e[group]
             for k in group:
                 rest = group[group != k]

@@ -30,10 +30,10 @@ from driftproof.numeric.reference_errors import distance_from_digits, largest_st
 from driftproof.numeric.stability import (
     LARGEST,
     Observed,
-    balanced,
     bounded_again,
     fastest_decay,
     fewest_steps,
+    in_balanced_units,
     largest_bounded,
     observe,
     stays_bounded,
@@ -186,7 +186,7 @@ def behaviour(method: Entry, problem: Problem) -> str:
 
 def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
     runs = advance(method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
-    norm = float(np.abs(balanced(np.array(found.rows, dtype=float))).sum(axis=1).max()) or 1.0
+    norm = float(np.abs(in_balanced_units(np.array(found.rows, dtype=float))).sum(axis=1).max()) or 1.0
     limit, step, components = _proved_limit(found), runs, len(problem.start)
     if isinstance(runs, MultistepRun):
         step, components = runs.of_all, components * runs.method.steps

@@ -20,10 +20,10 @@ from driftproof.numeric.stability import (
     STIFF_DECAY,
     _by_floats,
     _by_integers,
-    balanced,
     bounded_again,
     fastest_decay,
     fewest_steps,
+    in_balanced_units,
     largest_bounded,
     observe,
     powers_stay_bounded,
@@ -215,7 +215,7 @@ def test_units_of_components_do_not_matter(name: str) -> None:
         units = shift * np.arange(len(rows))
         matrix = np.ldexp(np.array(rows), units[None, :] - units[:, None])
         assert powers_stay_bounded(matrix) is bounded
-        assert np.abs(np.log2(np.abs(balanced(matrix)[matrix != 0]))).max() < 11
+        assert np.abs(np.log2(np.abs(in_balanced_units(matrix)[matrix != 0]))).max() < 11
 
 
 @cache
