@@ -7,9 +7,32 @@ from __future__ import annotations
 
 __version__ = "0.2.0"
 
+# The public names, each with the module below this one that has it.
+_MODULES = {
+    "identify": "blackbox.identify", "Allowance": "blackbox.judging.specification",
+    "Domain": "blackbox.judging.specification", "identify_solver": "blackbox.solvers.identify_solver",
+    "field_stepper_of": "blackbox.stepper.objects", "stepper_of": "blackbox.stepper.objects",
+    "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
+    "certify": "enclosure.certify", "Refused": "enclosure.evaluations", "METHODS": "methods.catalogue",
+    "FAMILIES": "methods.families", "RungeKutta": "methods.schemes", "Splitting": "methods.schemes",
+    "stepper": "methods.stepping", "read_method": "methods.tableau_file", "PROBLEMS": "numeric.problems.catalogue",
+    "PRESETS": "numeric.scenes", "Scene": "numeric.scenes", "read_scene": "numeric.scenes",
+    "facts": "reports.fact_sheet", "run": "reports.oscillator", "step": "reports.oscillator",
+    "report": "reports.pages", "roundoff": "reports.rounding", "scene": "reports.scenes",
+    "stability": "reports.stability", "work_precision": "reports.studies", "sweep": "reports.sweeps",
+    "RemarkWarning": "support.assertions", "fixed": "symbolic.algebra.certified",
+    "significant": "symbolic.algebra.certified", "derive": "symbolic.derivation.derive", "Facts": "symbolic.facts",
+    "order_within": "symbolic.facts", "stability_function_of": "symbolic.linear.oscillator",
+    "boundary_points": "symbolic.linear.region", "OscillatorRun": "symbolic.runs",
+    "assert_text": "texts.claims.report", "check": "texts.claims.report", "PRINTED": "texts.questions.decimals",
+    "Style": "texts.questions.decimals", "QuestionError": "texts.questions.errors",
+    "value": "texts.questions.evaluate", "render": "texts.templates.rendering", "diff": "texts.values.changes",
+    "published_values": "texts.values.published",
+}  # fmt: skip
+
 TYPE_CHECKING = False  # type checkers know it by its name; importing typing would cost more than this whole module
 if TYPE_CHECKING:
-    # The public names. Type checkers follow these imports; at run time `_modules` parses them.
+    # The public names again, for type checkers, which follow imports only.
     from driftproof.blackbox.identify import identify as identify
     from driftproof.blackbox.judging.specification import Allowance as Allowance
     from driftproof.blackbox.judging.specification import Domain as Domain
@@ -66,29 +89,13 @@ else:
         """The public object `name`, imported now (PEP 562). Raises AttributeError for any other name."""
         from importlib import import_module
 
-        modules = _modules()
         if name == "__all__":
-            return sorted(modules)
-        if name not in modules:
+            return sorted(_MODULES)
+        if name not in _MODULES:
             raise AttributeError(f"module 'driftproof' has no attribute {name!r}")
-        return getattr(import_module(modules[name]), name)
+        return getattr(import_module(f"driftproof.{_MODULES[name]}"), name)
 
 
 def __dir__() -> list[str]:
     """The public names."""
-    return [*sorted(_modules()), "__all__", "__version__"]
-
-
-_MODULES: dict[str, str] = {}
-
-
-def _modules() -> dict[str, str]:
-    """The module of each public name, parsed once from the imports above, so that no name is listed twice."""
-    if not _MODULES:
-        import ast
-
-        with open(__file__, encoding="utf-8") as source:
-            (block,) = (node for node in ast.parse(source.read()).body if isinstance(node, ast.If))
-        lines = (line for line in block.body if isinstance(line, ast.ImportFrom))
-        _MODULES.update((alias.name, str(line.module)) for line in lines for alias in line.names)
-    return _MODULES
+    return [*sorted(_MODULES), "__all__", "__version__"]

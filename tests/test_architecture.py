@@ -67,13 +67,13 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1273,
     "methods": 5513,
-    "symbolic": 10764,
-    "numeric": 4450,
-    "blackbox": 22165,
-    "enclosure": 5549,
+    "symbolic": 10767,
+    "numeric": 4464,
+    "blackbox": 22456,
+    "enclosure": 5682,
     "texts": 10636,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6126
+BUDGET_OF_REPORTS_AND_FRONT = 6194
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
@@ -85,6 +86,16 @@ def test_type_checkers_see_every_name(checked):
         assert SEEN.get(name, "") in words
 
 
+def test_type_checkers_see_the_names_that_there_are_also_without_the_source(tmp_path):
+    source = ROOT / "driftproof" / "__init__.py"
+    seen = re.findall(r"^    from driftproof\.(\S+) import (\w+) as \2$", source.read_text("utf-8"), re.MULTILINE)
+    assert {name: module for module, name in seen} == driftproof._MODULES
+    with ZipFile(tmp_path / "packed.zip", "w") as packed:
+        packed.write(source, "driftproof/__init__.py")
+    code = f"import sys; sys.path.insert(0, {packed.filename!r}); import driftproof; print(*driftproof.__all__)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.split() == NAMES
+
+
 def test_type_checkers_refuse_wrong_uses(checked):
     for use, kind in WRONG.items():
         assert any(words.startswith("error: ") and words.endswith(f"[{kind}]") for words in checked[use]), use
@@ -102,7 +113,7 @@ def test_names_resolve_and_others_do_not():
 def documentation(name):
     """The docstring of a class or a function; of a constant, that of its module."""
     found = getattr(driftproof, name)
-    return (found if callable(found) else import_module(driftproof._MODULES[name])).__doc__
+    return (found if callable(found) else import_module(f"driftproof.{driftproof._MODULES[name]}")).__doc__
 
 
 @pytest.mark.slow(keep=6)

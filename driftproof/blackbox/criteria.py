@@ -8,13 +8,13 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
+from driftproof.blackbox.findings import CRASHES, NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
 from driftproof.blackbox.judging.agreement import Agreement, several_together
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.other_parameters import other_parameters
-from driftproof.blackbox.judging.own_system import AsOnOwnSystem, OwnSystem, rounding_of
+from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NoSlopes, OwnSystem, rounding_of
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.walks import back_and_on, walked
@@ -36,8 +36,8 @@ _SYSTEM = f"the system that it should have: --system module:f, in Python system=
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
-    "crashes": "a step that leaves its process, and the pipes of it, alone",
-    **dict.fromkeys((OwnSystem.kind, AsOnOwnSystem.kind), _SYSTEM),
+    CRASHES: "a step that leaves its process, and the pipes of it, alone",
+    **dict.fromkeys((OwnSystem.kind, NoSlopes.kind, AsOnOwnSystem.kind), _SYSTEM),
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import wraps
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 Tried = TypeVar("Tried")
@@ -84,6 +85,19 @@ def first_taken(
     raise refusals[0]
 
 
+def once(read: Callable[[Tried], Taken]) -> Callable[[Tried], Taken]:
+    """The reading, made once of each subject, which keeps it as long as it lives; one that `replace` makes has none."""
+
+    @wraps(read)
+    def kept(subject: Tried) -> Taken:
+        found: dict[str, Taken] = vars(subject)
+        if read.__name__ not in found:
+            found[read.__name__] = read(subject)
+        return found[read.__name__]
+
+    return kept
+
+
 class NoAnswer(BaseException):
     """A call that did not come back within its time limit. It is not repeated, and it is evidence of nothing.
 
@@ -105,12 +119,14 @@ class BadInput(ValueError):
     kind = "bad_input"
 
 
+# Ends of the process of a stepper that no exception tells: from outside, by a fault of ours, by its own.
+KILLED, INSTRUMENT_FAILED, CRASHES = "killed", "instrument_failed", "crashes"
 # Kinds of outcome that say nothing about a stepper (a time limit, an end from outside, a fault of ours, a clock that we
 # cannot set), each with what would settle the question.
 NO_EVIDENCE = {
-    "time_limit": "a longer time limit",
-    "killed": "a run whose process is not killed",
-    "instrument_failed": "a report to us",
+    NoAnswer.kind: "a longer time limit",
+    KILLED: "a run whose process is not killed",
+    INSTRUMENT_FAILED: "a report to us",
     OwnClock.kind: "a step that begins in the state and at the time that it is given, as in the wrapper",
 }
 
@@ -139,7 +155,7 @@ class Outcome:
     """The outcome of one check: its result, or one word for why there is none, with what was seen instead.
 
     `arithmetic` says since when the rounding mode or the treatment of subnormal numbers is changed, if it is. `calls`
-    is the number of calls of the subject that the check made.
+    is the number of calls of the subject that the check made; `traits` are what a step may be.
     """
 
     result: Any = None
@@ -147,6 +163,7 @@ class Outcome:
     seen: str = ""
     arithmetic: str = ""
     calls: int = field(default=0, compare=False)
+    traits: tuple[str, ...] = ()
 
     @property
     def failed(self) -> bool:

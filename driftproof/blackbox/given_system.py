@@ -5,23 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from itertools import cycle
-from math import cos
 from typing import Any
 
 import numpy as np
-from flint import arb
 
 from driftproof.blackbox.checks.determinism import first_call_again
-from driftproof.blackbox.findings import NO_EVIDENCE, BadInput, Misbehaviour, StepFinding
-from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
-from driftproof.blackbox.judging.own_system import OwnSteps, OwnSystem, own_time, seen_at
+from driftproof.blackbox.checks.trials import CheckResult
+from driftproof.blackbox.criteria import FIRST_CALL, STATE_FORMS
+from driftproof.blackbox.findings import (
+    NO_EVIDENCE,
+    BadInput,
+    Misbehaviour,
+    Outcome,
+    Remarked,
+    StepFinding,
+    arithmetic_of,
+)
+from driftproof.blackbox.isolation import IsolatedRunner, Probe
+from driftproof.blackbox.judging.given_steps import GivenSteps
+from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, OwnSystem, own_time, seen_at
 from driftproof.blackbox.judging.specification import Domain, Specification
+from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.report import UNDECIDED, Criterion, Report, criteria_parts, sections
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
@@ -37,58 +46,36 @@ from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
-from driftproof.methods.schemes import Method, MethodError, Splitting
+from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
 
-# States beside those at which a built-in system is seen, as parts of them; how short a step shows slopes, to what part.
-_BESIDE, _SHORT, _ALIKE = 2, 2.0**-20, 2.0**-10
+# A step of this part of the system's own time shows its slopes, but for what the slopes given change in it and for the
+# rounding of the state over it. Those of another system differ by a thousandth at least: steps tell smaller errors.
+_SHORT, _ALIKE = 2.0**-12, 2.0**-10
 _TAKES_ONE = (
     "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
     "out, and all but the right-hand side of the code is judged"
 )
 # What parameters of a step are set to: other than 1 and unlike each other, and products of them exact.
 _VALUES = tuple(n / 16 for n in (20, 14, 22, 13, 18, 23, 15, 19, 17, 21))
-_NEEDED = "a method that goes on it, and states with slopes that change in a step"
 
 
-@dataclass(frozen=True)
-class _StepsOn(OwnSteps):
-    """The steps of a stepper, and the slopes of the system that it should have."""
+class LeftAtOne(OwnSystem):
+    """Parameters of the step are set to 1, as the system given does not take them."""
 
-    rates: Callable[[float, Sequence[float]], list[float]] = lambda t, y: [*y]
 
-    @cached_property
-    def problem(self) -> NonlinearProblem:
-        """The system that is given."""
+class NoClock(OwnSystem):
+    """The system given depends on a time that the step does not take."""
 
-        def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-            return [arb(x) for x in self.rates(float(t), [float(x) for x in y])]
 
-        return NonlinearProblem("the system given", rate, lambda t: [arb(0)] * self.size, self.size // 2)
-
-    @property
-    def times(self) -> Sequence[float]:
-        """A step that takes no time begins at 0, if it has a clock."""
-        return super().times if TIME in self.subject.convention.order else (0.0,)
-
-    def pushed(self, method: Method) -> bool:
-        """True of a splitting whose force depends on the velocity: where that is asked its definition does not say."""
-        with suppress(MethodError):
-            super().step(method, 0.0, self.states[0], self.unit / 4)
-            return False
-        return isinstance(method, Splitting) and not self.size % 2
-
-    def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
-        """The method's step; of a splitting with such a force, each part asks where the one before it ends."""
-        if not isinstance(method, Splitting) or not self.pushed(method):
-            return super().step(method, t, y, h)
-        half, moved = self.size // 2, t
-        end: Array = np.array(y, dtype=float)
-        for kind, share in method.parts:
-            part = slice(half, None) if kind == "kick" else slice(half)
-            end[part] += float(share) * h * np.array(self.rates(moved, end.tolist()))[part]
-            moved += float(share) * h * (kind != "kick")
-        return [float(x) for x in end]
+# What would decide a question that is open.
+_MISSING = {
+    OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
+    LeftAtOne.kind: "a system that takes them besides y, for other values",
+    NoClock.kind: "a step that takes the time, such as step(t, y, h)",
+    "crashes": "a step that leaves its process alone",
+    **NO_EVIDENCE,
+}
 
 
 @dataclass(frozen=True)
@@ -193,23 +180,26 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
                 yield found
 
 
-def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], unit: float) -> str:
-    """How short steps differ from these slopes; "" if they agree."""
+def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float) -> str:
+    """How short steps differ from these slopes of the system given; "" if they agree."""
+    h = _SHORT * unit
     for y, told in slopes.items():
-        with suppress(Misbehaviour):
-            seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, _SHORT * unit)) - np.array(y)) / (_SHORT * unit)
-            if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max()):
+        with suppress(Misbehaviour, ArithmeticError):
+            seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, h)) - np.array(y)) / h
+            changed = np.abs(given.at(np.array(y) + h * told) - told).max()
+            rounded = float(subject.format.u) * np.abs(y).max() / h
+            if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
                 shown = [", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told)]
                 return f"from ({shown[0]}) a short step goes as ({shown[1]}) times h, and it as ({shown[2]})"
     return ""
 
 
-def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> StepFinding:
-    """Compare steps of a built-in system with the method's on the system f(t, y), or f(y), that it should be.
+def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> tuple[GivenSteps, str]:
+    """The steps of a built-in system beside the system f(t, y), or f(y), that it should be, which is told in words.
 
     Parameters of the step that the system takes by name are set to the same numbers in both. Raises BadInput for a step
-    with a right-hand side among its arguments, and for slopes of another number; OwnSystem if the method's steps are
-    not known.
+    with a right-hand side among its arguments, and for slopes of another number; NotOnOwnSystem if the system is
+    another one, and OwnSystem if that is open.
     """
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
@@ -223,7 +213,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            if unlike := _unlike(reading, slopes, unit):
+            if unlike := _unlike(reading, slopes, each, unit):
                 far.append(unlike)
                 if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
                     break  # of an array that it takes; the size of vectors is a guess
@@ -232,65 +222,121 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
                 size = f" in {counted(len(states[0]), 'number')}" * bool(place)
-                return _compared(reading, wanted, each.words + size, each.rates, unit, [*slopes])
+                return GivenSteps(reading, [*slopes], unit, each.rates), each.words + size
         if far and each.beside:
             raise OwnSystem(
                 f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
             )
         if far:
-            return StepFinding(False, f"its system is not the one given{each.words}: {far[0]}")
+            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]
 
 
-def _compared(
+def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> StepFinding:
+    """Compare steps of a built-in system with the method's on the one given. Raises OwnSystem where that is open."""
+    steps, words = _held(subject, wanted, system)
+    try:
+        found = steps.near(wanted, words)
+    except MethodError as why_not:
+        raise OwnSystem(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
+    if not found.holds and steps.pushed and isinstance(of_one_state(wanted.method), Splitting):
+        raise OwnSystem(f"its force depends on the velocity, and with that before each kick {found.words}")
+    if found.holds and steps.untimed:
+        seen = f"at t = 0, which alone is seen, it {found.words}"
+        raise NoClock(f"the system given depends on t, which the step does not take: {seen}")
+    left = [name for name in subject.parameters if name not in _Given.of(system, subject).values]
+    if found.holds and left:
+        names = ", ".join(left)
+        raise LeftAtOne(f"with {names} set to 1, where a mistake in their use does not show, it {found.words}")
+    return found
+
+
+def _of(
     subject: ForeignStepper,
     wanted: Specification,
-    words: str,
-    rates: Callable[[float, Sequence[float]], list[float]],
-    unit: float,
-    states: Sequence[tuple[float, ...]],
-) -> StepFinding:
-    """Compare steps from these states, and from some beside them, with the method's; the system as its `words` say."""
-    key = wanted.method.key
-    beside = [tuple(x * (1 + cos(7 * i + 3 * k) / 4) for k, x in enumerate(y)) for i in range(_BESIDE) for y in states]
-    steps = _StepsOn(subject, [*states, *beside], unit, rates)
-    try:
-        off, far = steps.off(wanted)
-    except MethodError as why_not:
-        raise OwnSystem(f"steps of {key} on it are not known: {why_not}") from None
-    pushed = ", its force asked with the velocity before each kick" * steps.pushed(of_one_state(wanted.method))
-    if far and pushed:
-        raise OwnSystem(f"its force depends on the velocity, and with that before each kick {far}")
-    counted = f"to {f'{off:.0e}' if off else 'the last digit'} in {2 * len(steps.times) * len(steps.states)} steps"
-    return StepFinding(not far, far or f"is {key} on the system given{words}{pushed}, {counted}")
+    system: Callable[..., Any] | str,
+    ask: Callable[[GivenSteps, Specification], Any],
+) -> Any:
+    """The answer to a further question on the system given."""
+    return ask(_held(subject, wanted, system)[0], wanted)
 
 
-def left_at_one(subject: ForeignStepper, system: Callable[..., Any] | str) -> tuple[str, ...]:
-    """The parameters of the step that are 1 because the system does not take them."""
-    return tuple(name for name in subject.parameters if name not in _Given.of(system, subject).values)
+def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
+    found = steps.elsewhere(wanted)
+    limits = "--largest-step and --largest-state, in Python domain=Domain(...), say how far it is to be right"
+    return found._replace(words=f"{found.words}; {limits}") if found.holds is False else found
 
 
-def report_on_system(runner: IsolatedRunner, wanted: Specification, system: Callable[..., Any] | str) -> Report:
-    """The report of `verify` on a step that is held to a given system. Raises ValueError for wrong input."""
-    asked = partial(steps_on_system, wanted=wanted, system=system), partial(left_at_one, system=system)
-    steps, left, again = runner.run([*asked, first_call_again])
-    if steps.kind == BadInput.kind:
-        raise ValueError(steps.seen)
-    is_open = steps.kind in (OwnSystem.kind, *NO_EVIDENCE)
-    words, key = steps.result.words if steps.result else steps.seen, wanted.method.key
-    missing = NO_EVIDENCE.get(steps.kind or "", _NEEDED) if is_open else ""
-    holds = steps.result.holds if steps.result else None if is_open else False
-    if holds and left.result:
-        names = ", ".join(left.result)
-        words = f"with {names} set to 1, where a mistake in their use does not show, it {words}"
-        holds, missing = None, f"a system that takes {names} besides y, for other values"
+def _forms(steps: GivenSteps, wanted: Specification) -> StepFinding:
+    if hasattr(steps.subject.function, "begun"):
+        return StepFinding(None, "an object has one form of state")
+    return state_objects(steps.subject, wanted, steps.few)
+
+
+def _checked(
+    steps: GivenSteps, wanted: Specification, check: Callable[[ForeignStepper], Sequence[CheckResult]]
+) -> Sequence[CheckResult]:
+    return check(steps.of_two)
+
+
+# Further questions, and how a verdict words it if one of them alone fails.
+_FURTHER = {"Steps elsewhere": _elsewhere, "Steps back": GivenSteps.back, STATE_FORMS: _forms}
+_ONLY = {"Steps back": " for h > 0 only", STATE_FORMS: ", but not for every form of state"}
+
+
+def report_on_system(
+    runner: IsolatedRunner,
+    wanted: Specification,
+    system: Callable[..., Any] | str,
+    others: Sequence[Callable[[ForeignStepper], Sequence[CheckResult]]],
+) -> Report:
+    """The report of `verify` on a step that is held to a given system, which remarks on what `others` find.
+
+    Raises ValueError for wrong input.
+    """
+    on = partial(partial, _of, wanted=wanted, system=system)
+    asked: list[Probe] = [partial(steps_on_system, wanted=wanted, system=system), first_call_again]
+    asked += [on(ask=ask) for ask in (*_FURTHER.values(), *(partial(_checked, check=each) for each in others))]
+    first, again, *found = replies = runner.run(asked)
+    if first.kind == BadInput.kind:
+        raise ValueError(first.seen)
+    key, missing = wanted.method.key, _MISSING.get(first.kind or "", "")
+    words = first.result.words if first.result else first.seen
+    holds = first.result.holds if first.result else None if missing else False
     checks = [Criterion("Steps on the system given", holds, (words,), {}, missing)]
+    if holds or first.kind in (LeftAtOne.kind, NoClock.kind):
+        checks += map(_criterion, _FURTHER, found)
     if again.result is not None:
-        checks.append(Criterion("First call", again.result.holds, (again.result.words,), {}))
-    failed = [check.lines[0] for check in checks if check.passed is False]
-    passed = False if failed else holds
-    verdict = (
-        words if passed else f"is not {key}: {failed[0]}" if failed else f"{UNDECIDED} whether it is {key}: {words}"
-    )
+        checks.append(_criterion(FIRST_CALL, again))
+    told = [reply.result.words for reply in found if isinstance(reply.result, Remarked)]
+    told += [check.words for reply in found[len(_FURTHER) :] for check in reply.result or () if check.holds is False]
+    passed, verdict = _verdict(key, checks)
+    remarks = [f"remark: {each}" for each in told if passed]
+    if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
+        verdict = f"{NO_ANSWER}: {words}"
+    verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
     parts, data = criteria_parts(checks, passed)
-    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": []})
+    return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": remarks})
+
+
+def _verdict(key: str, checks: Sequence[Criterion]) -> tuple[bool | None, str]:
+    """Whether a step passes, and what is said of it: the first that failed, or is open, if the step itself is right."""
+    first, *further = checks
+    again = [check for check in further if check.title == FIRST_CALL]
+    failed = [check for check in (first, *again, *further) if check.passed is False]
+    if failed and failed[0] in (first, *again):
+        return False, f"is not {key}: {failed[0].lines[0]}"
+    if failed:
+        only = _ONLY.get(failed[0].title, ", but not everywhere")
+        return False, f"is {key} on the system given{only}: {failed[0].lines[0]}"
+    if not first.passed:
+        return None, f"{UNDECIDED} whether it is {key}: {first.lines[0]}"
+    if unknown := [check for check in further if check.missing]:
+        return None, f"{UNDECIDED} whether it is {key}: {unknown[0].title.lower()}: {unknown[0].lines[0]}"
+    return True, first.lines[0]
+
+
+def _criterion(title: str, outcome: Outcome) -> Criterion:
+    """The criterion of a further question, which is open if it is not known why it has no answer."""
+    found = outcome.result or StepFinding(None, outcome.seen)
+    return Criterion(title, found.holds, (found.words,), {}, _MISSING.get(outcome.kind or "", ""))

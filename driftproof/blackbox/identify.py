@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+from driftproof.blackbox import findings
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.checks.trials import TRAITS, CheckResult
 from driftproof.blackbox.families.damping import Damping, read_damping
@@ -34,12 +35,11 @@ from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estima
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
-from driftproof.blackbox.probes.scripted_answers import REMEMBERS, NotReadable
+from driftproof.blackbox.probes.scripted_answers import ADAPTIVE, MOVES, REMEMBERS, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import (
     NOT_KNOWN,
     Basis,
-    Naming,
     Report,
     Section,
     sections,
@@ -57,10 +57,10 @@ from driftproof.support.plain_text import Json
 _EXAMPLES = EXAMPLES // 5
 # What to do about a stepper that gives no answer at all, by the kind of its failure.
 _HELPS = {
-    "time_limit": "give it more time: --time-limit, in Python time_limit",
-    "killed": "try again where nothing kills its process; running out of memory also kills processes",
-    "instrument_failed": "report this to us",
-    "own_clock": "examine the wrapper in its place",
+    findings.NoAnswer.kind: "give it more time: --time-limit, in Python time_limit",
+    findings.KILLED: "try again where nothing kills its process; running out of memory also kills processes",
+    findings.INSTRUMENT_FAILED: "report this to us",
+    findings.OwnClock.kind: "examine the wrapper in its place",
 }
 _ANSWER = (
     "make this one call return an answer, or write a step of arrays that takes its right-hand side: step(f, t, y, h)"
@@ -135,21 +135,21 @@ def _identified(runner: IsolatedRunner) -> Report:
     # If later steps depend on earlier ones by no known recurrence, only the first step was read.
     remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
     later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
-    if REMEMBERS in read.seen and make_anew(runner):
+    if REMEMBERS in read.traits and make_anew(runner):
         read, dense, steps = runner.run([read_coefficients, judged_dense, later_steps])
         alone = steps.result is None or steps.result.holds is not False
         later = later or (
             GOES_ON if alone else f"this holds for its first step only: {steps.seen or steps.result.words}"
         )
     order = runner.outcome_of(partial(measured_orders, explicit=not (read.failed or read.result.implicit)))
-    return identification_report(runner, read, order, dense, later)[0]
+    return identification(runner, read, order, dense, later).report
 
 
-def identification_report(
+def identification(
     runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = ""
-) -> tuple[Report, Naming]:
-    """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
-    if read.kind == "bad_input":
+) -> Identification:
+    """Identify the runner's stepper, given three answers; the other questions are asked in the time that is left."""
+    if read.kind == findings.BadInput.kind:
         raise ValueError(read.seen)
     asked = [introduction, linear_fit, judged_estimate, *CHECKS.values()]
     introduced, fit, estimate, *answers = outcomes = runner.run(asked)
@@ -167,7 +167,7 @@ def identification_report(
         domain = ORDINARY_DOMAIN if seen.size >= 1 else replace(ORDINARY_DOMAIN, largest_state=seen.size)
         wanted = Specification(METHODS[seen.key], domain=domain)
         rounding = runner.outcome_of(partial(explain_by_habits, wanted=wanted, examples=_EXAMPLES))
-    return Identification(runner.target.name, seen, rounding, later).report, seen.naming
+    return Identification(runner.target.name, seen, rounding, later)
 
 
 @dataclass(frozen=True)
@@ -182,16 +182,21 @@ class Identification:
     rounding: Outcome
     later: str = ""
 
-    @property
+    @cached_property
     def report(self) -> Report:
         """The report, whose verdict is the stepper's name, with what makes that name less than certain."""
+        verdict = "; ".join([self.seen.naming.words, *self.doubts])
+        return Report(self.name, verdict, None, self._sections, self._data)
+
+    @property
+    def doubts(self) -> list[str]:
+        """What makes the name less than certain: an error that is no rounding, later steps, another arithmetic."""
         seen, found = self.seen, self.rounding.result
         otherwise_named = seen.read or (seen.fit and seen.fit.nearly)
         failing = None if found is None or found.but_for or otherwise_named else found.failing
         beyond = failing and failing.answer and failing.error_over_bound
         off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""
-        verdict = "; ".join(filter(None, [seen.naming.words, off, self.later, seen.arithmetic]))
-        return Report(self.name, verdict, None, self._sections, self._data)
+        return [*filter(None, [off, self.later, seen.arithmetic])]
 
     @property
     def _opened(self) -> Introduction | None:
@@ -208,14 +213,12 @@ class Identification:
     def _sections(self) -> tuple[Section, ...]:
         seen, opened = self.seen, self._opened
         damping: Damping | None = seen.damping.result
-        damps = damping.faults if damping and not seen.ignores_step else []
-        faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
         orders = [*([] if seen.read is None else seen.read.order.lines), *(found.words for found in _measured(seen))]
-        orders += ["the order on nonlinear problems is not known"] * (seen.order.kind == "unsupported_call")
+        orders += ["the order on nonlinear problems is not known"] * (seen.order.kind == UnsupportedCall.kind)
         stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
         evidence = sections(
             ("What to do", self._what_to_do),
-            ("Faults", faults),
+            ("Faults", [*seen.damps, *(check.words for check in seen.checks if check.is_fault)]),
             ("Coefficients", [] if seen.read is None else [*seen.read.identity.lines, *seen.read.reading.lines]),
             ("Order", orders),
             ("One-step matrix", [] if seen.fit is None or seen.naming.basis is Basis.UNDECIDED else seen.fit.lines),
@@ -225,7 +228,7 @@ class Identification:
             ("Rounding", [] if self.rounding.result is None else self.rounding.result.lines),
             ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
         )
-        said = without_duplicates(o.said for o in self._unanswered if o.kind != "unsupported_call")
+        said = without_duplicates(o.said for o in self._unanswered if o.kind != UnsupportedCall.kind)
         checks = _checks([check for check in seen.checks if not check.is_fault])
         return (*evidence, *checks, *sections(("Not answered", said)))
 
@@ -245,12 +248,12 @@ class Identification:
             lines.append(f"if it should be {key}, verify it: {held} {key}{solved}, or assert_verified in a test")
         else:
             lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
-        if seen.coefficients.failed and "y = 0 does not stay 0" in seen.coefficients.seen:
+        if MOVES in seen.coefficients.traits:
             lines.append("if it takes differences of f as its Jacobian, hand it that: step(f, jac, t, y, h)")
-        elif seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
+        elif ADAPTIVE in seen.coefficients.traits:
             advice = "let a large tolerance accept each step, or examine a solver: --solver"
             lines.append(f"if it adapts its step size, {advice}")
-        if seen.coefficients.kind == "unsupported_call":
+        if seen.coefficients.kind == UnsupportedCall.kind:
             advice = "make the right-hand side or force an argument: step(f, t, y, h)"
             lines.append(f"to have its coefficients read, {advice}")
         return lines

@@ -19,7 +19,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, Protocol
 
-from driftproof.blackbox.findings import NoAnswer, Outcome
+from driftproof.blackbox.findings import CRASHES, INSTRUMENT_FAILED, KILLED, NoAnswer, Outcome
 from driftproof.blackbox.stepper.float_environment import FloatEnvironment
 from driftproof.support.messages import MessageError, decode, encode
 from driftproof.support.processes import START_UP, Limits, ProcessEnded, Session
@@ -146,7 +146,7 @@ class IsolatedRunner:
         except ProcessEnded as ended:
             call = f" in step({log.call})" if log.call else " while the stepper was imported"
             self.__exit__()
-            yield Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
+            yield Outcome(kind=_ENDS.get(ended.cause, CRASHES), seen=f"{ended}{call}")
         finally:
             if not self._kept:
                 self.__exit__()
@@ -212,7 +212,7 @@ def _packed(plain: object) -> str:
 
 
 # The kind of outcome for each cause of an end without an answer; any other cause is a crash of the subject.
-_ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
+_ENDS = {"time": NoAnswer.kind, "killed": KILLED, "raised": INSTRUMENT_FAILED}
 
 
 def _not_again(call: str) -> str:
@@ -324,7 +324,7 @@ def _failure(error: BaseException) -> Outcome:
     if not hasattr(error, "kind"):  # a fault of ours: the subject's own exceptions come as Misbehaviour
         place = traceback.extract_tb(error.__traceback__)[-1]
         where = f"{Path(place.filename).name}, line {place.lineno}"
-        return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
+        return Outcome(kind=INSTRUMENT_FAILED, seen=f"{type(error).__name__} in {where}: {error}; please report this")
     limit = f" (an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
     seen = f"{error}".rstrip() + limit if isinstance(error.__cause__, MemoryError) else str(error)
-    return Outcome(kind=error.kind, seen=seen)
+    return Outcome(kind=error.kind, seen=seen, traits=getattr(error, "traits", ()))

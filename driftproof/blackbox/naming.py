@@ -16,7 +16,7 @@ from driftproof.blackbox.judging.own_system import OwnMethods
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit
-from driftproof.blackbox.matching.match import Identity, match_tableau, matched
+from driftproof.blackbox.matching.match import Identity, Match, match_tableau, matched
 from driftproof.blackbox.matching.near_misses import Near
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import ForceReading
@@ -144,7 +144,7 @@ class Seen:
             return self._known(read)
         if read is not None and read.untimed is not None and read.untimed.matches:
             match, late = read.untimed.matches[0], f"order {read.order.order} where the right-hand side depends on t"
-            return Naming(Basis.ADDED, f"it is {match.name} called at wrong times: {late}", (match.key,))
+            return _varied(Basis.ADDED, (match,), f" called at wrong times: {late}")
         if read is not None and (read.reading.implicit or (fit is not None and fit.best and not self.twins.result)):
             return self._unknown_stages(read)
         if self._besides_one_number:
@@ -173,15 +173,13 @@ class Seen:
 
     def _known(self, read: Recognised) -> Naming:
         """All methods with the coefficients read, and what is to be added: rows, stages, forces, faults besides y1."""
-        first, *others = [match.name for match in read.identity.matches]
-        name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
-        beyond = read.solved + read.beyond_plain_forces(self.measured)
+        matches, elsewhere = read.identity.matches, read.beyond_plain_forces(self.measured)
         judged = filter(None, (self.estimate.result, self.dense.result))
         faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
-        words = name + _at(self.size) + read.row + beyond + faults
-        keys = tuple(match.key for match in read.identity.matches)
-        plain = words == name and first in keys
-        return Naming(Basis.KNOWN if plain else Basis.ADDED, words, keys, reserved=bool(beyond))
+        more = _at(self.size) + read.row + read.solved + elsewhere + faults
+        basis = Basis.ADDED if more or matches[0].relation else Basis.KNOWN
+        named = _varied(basis, matches, more, _at(self.size) or read.solved)
+        return named._replace(reserved=bool(read.solved or elsewhere))
 
     @property
     def _besides_one_number(self) -> bool:
@@ -193,8 +191,13 @@ class Seen:
     def ignores_step(self) -> str:
         """The fault of a step that is the same whatever h is, "" if it is not; it damps nothing, unless v becomes 0."""
         stops = self.damping.result is not None and self.damping.result.at_once == ((0.0,),)
-        faults = (check.words for check in self.checks if check.is_fault and not stops)
-        return next((words for words in faults if words.startswith(IGNORED)), "")
+        return next((check.words for check in self.checks if check.what == IGNORED and not stops), "")
+
+    @property
+    def damps(self) -> Sequence[str]:
+        """The fault of a damping in every step, however short, of a step that does not ignore h."""
+        found: Damping | None = self.damping.result
+        return [] if found is None or self.ignores_step else found.faults
 
     @property
     def _unknown(self) -> Naming:
@@ -230,8 +233,19 @@ class Seen:
         return orders[::-1] if partitioned else orders
 
 
+def _varied(basis: Basis, matches: Sequence[Match], more: str, limited: str = "") -> Naming:
+    """The naming by matches with equal coefficients; `more` begins with a comma if it is `limited`."""
+    first, *others = matches
+    same = f"the same step as {', '.join(match.name for match in others)}" if others else ""
+    rest = "".join(f", {words}" for words in (first.relation, same) if words) + more
+    variant = rest.removeprefix(", ") if first.relation or others or limited else ""
+    keys, parted = tuple(match.key for match in matches), any(match.steps > 1 for match in matches)
+    return Naming(basis, f"it is {first.key}{rest}", keys, variant=variant, parted=parted)
+
+
 def _near(near: Near, solved: str = "") -> Naming:
-    return Naming(Basis.NEAR, f"it is {near.name}{solved}", (near.key,), reserved=bool(solved))
+    words = f"it is {near.name}{solved}"
+    return Naming(Basis.NEAR, words, (near.key,), reserved=bool(solved), differences=near.differences)
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:

@@ -31,12 +31,19 @@ class Basis(Enum):
 
 
 class Naming(NamedTuple):
-    """A verdict: its basis, its words, the keys of all methods in it, and whether it has a reservation."""
+    """A verdict: its basis, its words, the keys of all methods in it, and whether it has a reservation.
+
+    `variant` is how the words go on if they are "it is KEY, " of the first method, `differences` are its coefficients
+    that they call wrong, and `parted` is True if they speak of several steps of parts of h.
+    """
 
     basis: Basis
     words: str
     methods: tuple[str, ...] = ()
     reserved: bool = False
+    variant: str = ""
+    differences: tuple[str, ...] = ()
+    parted: bool = False
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from driftproof.blackbox import criteria
-from driftproof.blackbox.checks.arguments import DIVIDES
-from driftproof.blackbox.checks.determinism import CALL_BEFORE
+from driftproof.blackbox.checks.arguments import DIVIDES, ROUNDED
+from driftproof.blackbox.checks.determinism import CALL_BEFORE, MEMORY
+from driftproof.blackbox.checks.domain import LARGE_STATES
 from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
@@ -17,10 +19,13 @@ from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NotOnOwnSystem
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report
+from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.symbolic.known_methods import EXCHANGED, turned_over
+
+if TYPE_CHECKING:
+    from driftproof.blackbox.identify import Identification
 
 
 @dataclass(frozen=True)
@@ -117,24 +122,29 @@ class Verification:
 
 @dataclass(frozen=True)
 class Refutation:
-    """A comparison that failed, the report and name of what the stepper is instead, and mistakes that explain it."""
+    """A comparison that failed, what the stepper is instead, and mistakes that explain it."""
 
     seen: Verification
-    instead: Report
-    naming: Naming
+    instead: Identification
     mistakes: Sequence[str]
 
     @property
     def verdict(self) -> str:
-        """What the stepper is not and why, or what explains its errors: the first reason that holds."""
-        return next(chain(self._departures(), self._explanations()), self._other_method)
+        """What the stepper is not, with the reason, or else what it is."""
+        return self.reason or self._other_method
+
+    @cached_property
+    def reason(self) -> str:
+        """Why it is not the method, or what explains its errors: the first reason that holds; "" if none does."""
+        return next(chain(self._departures(), self._explanations()), "")
 
     @property
     def parts(self) -> list[tuple[str, Sequence[str]]]:
         """The evidence for what the stepper is instead, as titles with lines."""
-        read = self.instead.section("Coefficients") or self.instead.section("One-step matrix")
-        helps = self.instead.section("What to do") if self.naming.basis is Basis.NO_ANSWER else None
-        shown = (read, self.instead.section("Faults"), self.instead.section("Not answered"))
+        report = self.instead.report
+        read = report.section("Coefficients") or report.section("One-step matrix")
+        helps = report.section("What to do") if self.instead.seen.naming.basis is Basis.NO_ANSWER else None
+        shown = (read, report.section("Faults"), report.section("Not answered"))
         same_steps = [*self.mistakes, *filter(None, [self.seen.right_form])]
         evidence = [(section.title.lower(), section.lines) for section in shown if section]
         named = [("one mistake that gives the same steps", same_steps), *evidence]
@@ -146,7 +156,7 @@ class Refutation:
         seen, key = self.seen, self.seen.method.key
         rounding, coefficients, nonlinear, order = seen.of_step
         elsewhere = seen.outcomes[criteria.ROUNDING]
-        if elsewhere.kind == NotOnOwnSystem.kind and self.naming.basis is not Basis.LINEAR_ONLY:
+        if elsewhere.kind == NotOnOwnSystem.kind and self.instead.seen.naming.basis is not Basis.LINEAR_ONLY:
             yield f"is not {key}: {elsewhere.seen}"
         agrees, stages = "its coefficients agree, but", coefficients.data.get("stages")
         if stages and False in (coefficients.passed, nonlinear.passed):
@@ -162,7 +172,7 @@ class Refutation:
         again: StepFinding | None = seen.outcomes[criteria.FIRST_CALL].result
         if again is not None and again.holds is False:
             yield f"is not {key}: its answers change from call to call: {again.words}"
-        if seen.right_form and not self.instead.data["method"]:
+        if seen.right_form and not self.instead.report.data["method"]:
             yield f"is not {key}; {seen.right_form}"
         failing = seen.rounding and order.passed is not False and seen.rounding.failing
         if failing and seen.rounding:
@@ -170,12 +180,12 @@ class Refutation:
             if habit and (coefficients.passed is not False or habit not in HABITS):
                 yield f"is not {key} {seen.how_near}; it is, {habit}"
             if coefficients.passed and failing.answer is not None:
-                if CALL_BEFORE in self._faults:
+                if any(check.key == MEMORY and check.is_fault for check in self.instead.seen.checks):
                     yield f"is not {key}: {agrees} {CALL_BEFORE}"
                 off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
                 as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
-                still = next((x["words"] for x in self.instead.data.get("checks", ()) if x["key"] == "zero_step"), "")
-                sums = f"; {still}, as weights of states that do not sum to 1 do" if "except for" in still else ""
+                still = [check.words for check in self.instead.seen.checks if check.what == ROUNDED]
+                sums = "".join(f"; {words}, as weights of states that do not sum to 1 do" for words in still)
                 yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}{sums}"
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
@@ -184,9 +194,10 @@ class Refutation:
 
     def _explanations(self) -> Iterator[str]:
         """Yield the verdicts by the name that the stepper has, or by a mistake that gives its steps."""
-        seen, naming, key, coefficients = self.seen, self.naming, self.seen.method.key, self.seen.of_step[1]
+        seen, naming = self.seen, self.instead.seen.naming
+        key, coefficients = seen.method.key, seen.of_step[1]
         if naming.basis is Basis.NO_ANSWER:
-            yield self.instead.verdict
+            yield self.instead.report.verdict
         reading, first = seen.outcomes[criteria.COEFFICIENTS].result, seen.failed[0]
         if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
             yield f"is not {key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
@@ -196,29 +207,30 @@ class Refutation:
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
         if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
             yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
-        if self.instead.section("Coefficients") is None and (named or naming.basis is Basis.UNDECIDED):
+        if self.instead.seen.read is None and (named or naming.basis is Basis.UNDECIDED):
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
-        if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:
+        if naming.basis is Basis.KNOWN and naming.methods[0] == key and not self.instead.doubts:
             yield f"is {key}, but not everywhere: {first.lines[0]}"
 
     @property
     def _other_method(self) -> str:
-        coefficients, verdict, key = self.seen.of_step[1], self.instead.verdict, self.seen.method.key
-        wrong = "; ".join(coefficients.data.get("differences", ()))
-        what = f": {wrong}" if wrong and wrong not in verdict else ""
-        if verdict.startswith(f"it is {key}, ") and not what:
-            return f"is not {key}, but a variant of it, {verdict.removeprefix(f'it is {key}, ')}"
+        coefficients, verdict, key = self.seen.of_step[1], self.instead.report.verdict, self.seen.method.key
+        naming, doubts = self.instead.seen.naming, self.instead.doubts
+        wrong = coefficients.data.get("differences", ())
+        what = f": {'; '.join(wrong)}" if not {*wrong} <= {*naming.differences} else ""
+        if naming.variant and naming.methods[0] == key and not what:
+            return "; ".join([f"is not {key}, but a variant of it, {naming.variant}", *doubts])
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
-        if isinstance(self.seen.method, Splitting) and verdict in {f"it is {name}" for name in self.naming.methods}:
+        if isinstance(self.seen.method, Splitting) and naming.basis is Basis.KNOWN and not (naming.variant or doubts):
             exchanged = dict(turned_over(self.seen.method))[EXCHANGED].parts
-            same = getattr(METHODS[self.naming.methods[0]], "parts", ()) == exchanged
+            same = getattr(METHODS[naming.methods[0]], "parts", ()) == exchanged
             verdict += f", which is {key} with {EXCHANGED}" * same
         return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
 
     @property
     def _faults(self) -> Sequence[str]:
         """The faults that may be why it is no known method, overflow as the least of them last."""
-        section = self.instead.section("Faults")
-        found = (line for line in (section.lines if section else ()) if not line.startswith(DIVIDES))
-        return sorted(found, key=lambda line: line.startswith("overflows from"))
+        seen = self.instead.seen
+        found = [check for check in seen.checks if check.is_fault and check.what != DIVIDES]
+        return [*seen.damps, *(check.words for check in sorted(found, key=lambda check: check.key == LARGE_STATES))]

@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.blackbox import criteria
-from driftproof.blackbox.checks.arguments import arguments, types
+from driftproof.blackbox.checks.arguments import ZERO_STEP, arguments, types
 from driftproof.blackbox.checks.homogeneity import digits
-from driftproof.blackbox.checks.step_size import IGNORED
+from driftproof.blackbox.checks.step_size import IGNORED, STEP_SIZE
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.multistep import Corrected
 from driftproof.blackbox.families.reports import GOES_ON, hand_jacobian, make_anew, turns, verify_family
-from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
+from driftproof.blackbox.findings import BadInput, Remarked, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
-from driftproof.blackbox.judging.own_system import NO_SLOPES, OwnSystem
+from driftproof.blackbox.judging.own_system import NoSlopes, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.scripted_answers import REMEMBERS
@@ -64,9 +64,9 @@ def verify(
     step in a magnetic field, or "abm4" for Adams-Bashforth-Moulton (PECE) of order 4. The stepper is tried at
     `examples` floats from the `domain`; `allowance` adds to the bound. If it takes a force or a right-hand side, its
     coefficients are read, its steps of a nonlinear problem with t are compared with the method's own, and its order is
-    measured there. If its system is built in, only its steps of q'' = -q are seen, and the verdict says no more. With a
-    `system`, the f(t, y) or f(y) that it should have built in, it is the method's steps on that with which its own are
-    compared; y are its numbers in its own order.
+    measured there. A built-in system is q'' = -q, one read from short steps (then undecided), or the one given with
+    `system`, f(t, y) or f(y): its steps are compared with the method's steps on that system; y holds the step's numbers
+    in the step's order, and `examples` has no effect.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -98,7 +98,8 @@ def verify(
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
         if system is not None:
-            return report_on_system(runner, wanted, system)
+            _refuse_with_a_system(examples, domain, allowance)
+            return report_on_system(runner, wanted, system, _REMARKS)
         return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
 
@@ -143,6 +144,17 @@ def assert_verified(
         warnings.warn(found.headline, RemarkWarning, stacklevel=2)
 
 
+def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -> None:
+    """Raise ValueError for what has no effect where a system is given."""
+    usual = replace(ORDINARY_DOMAIN, largest_step=domain.largest_step, largest_state=domain.largest_state)
+    plain = replace(NO_ALLOWANCE, solver_tolerance=allowance.solver_tolerance)
+    given = {"examples": examples} if examples != EXAMPLES else {}
+    for mine, other in ((domain, usual), (allowance, plain)):
+        given |= {name: x for name, x in vars(mine).items() if x != getattr(other, name)}
+    for name, x in given.items():
+        raise ValueError(f"{name}={x} has no effect with a system")
+
+
 def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:
     """The report on a stepper compared with a one-step method, or with one that turns if the stepper turns vectors."""
     from driftproof.symbolic.claimed_orders import false_claims
@@ -150,7 +162,7 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     replies = runner.run([*(question.ask for question in questions), *_REMARKS])
     seen = Verification(method, questions, dict(zip((each.title for each in questions), replies, strict=False)))
     rounding = seen.outcomes[criteria.ROUNDING]
-    if rounding.kind == "bad_input":
+    if rounding.kind == BadInput.kind:
         raise ValueError(rounding.seen)
     if rounding.kind == UnsupportedCall.kind:
         if runner.outcome_of(turns).result:
@@ -159,10 +171,10 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
             report = _report_on_one_step(runner, method, questions)
             return replace(report, verdict=report.verdict + handed)
     target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
-    if REMEMBERS in seen.outcomes[criteria.COEFFICIENTS].seen and (found := _made_anew(runner, method, questions)):
+    if REMEMBERS in seen.outcomes[criteria.COEFFICIENTS].traits and (found := _made_anew(runner, method, questions)):
         return found
-    of_own = rounding.kind == OwnSystem.kind and seen.passed is None
-    wrong, others = _faults_of_any_method(runner, rounding.seen) if of_own else ([], [])
+    of_own = rounding.kind in (OwnSystem.kind, NoSlopes.kind) and seen.passed is None
+    wrong, others = _faults_of_any_method(runner, rounding.kind == NoSlopes.kind) if of_own else ([], [])
     parts, data = criteria_parts([*seen.checks.values()], seen.passed if not wrong else False)
     data |= {"remarks": [], "calls_made": made}
     if wrong:
@@ -170,9 +182,9 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         return Report(target, f"is not {method.key}: {wrong[0]}", False, sections(*parts), {**data, "faults": wrong})
     if seen.passed is False:
         refuted = _refutation(runner, seen)
-        data["instead"] = refuted.instead.data
+        data["instead"] = refuted.instead.report.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
-        if " steps of h/" in verdict:
+        if refuted.instead.seen.naming.parted and not refuted.reason:
             verdict += runner.outcome_of(substeps_wrapper).result or ""
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
     parts.append(("Faults", others))
@@ -200,30 +212,28 @@ def _made_anew(runner: IsolatedRunner, method: Method, questions: Sequence[crite
     return replace(report, verdict="; ".join([report.verdict, *remarks]), data=data)
 
 
-def _faults_of_any_method(runner: IsolatedRunner, system: str) -> tuple[list[str], list[str]]:
+def _faults_of_any_method(runner: IsolatedRunner, no_slopes: bool) -> tuple[list[str], list[str]]:
     """What a step with an unknown system does as no method does on any, and what else `identify` calls its faults.
 
     That is a damping or a turn in each step, however short; an h that is ignored; and where short steps show no slopes,
     a step of h = 0 that moves the state although every h is used as given.
     """
     damping, *answers = runner.run([read_damping, *CHECKS.values()])
-    checks = {check.words: check for check in checks_of(answers)}
-    used = any(check.key == "step_size" and check.holds for check in checks.values())
-    faults = [words for words, check in checks.items() if check.is_fault]
-    wrong = [words for words in faults if words.startswith(IGNORED)]
+    checks = checks_of(answers)
+    used, faults = any(check.key == STEP_SIZE and check.holds for check in checks), [x for x in checks if x.is_fault]
+    wrong = [check.words for check in faults if check.what == IGNORED]
     wrong += [] if damping.result is None or wrong else damping.result.faults
-    moved = [words for words in faults if checks[words].key == "zero_step" and used and NO_SLOPES in system]
-    wrong += [] if wrong else moved
-    return wrong, [words for words in faults if words not in wrong]
+    wrong = wrong or [check.words for check in faults if check.key == ZERO_STEP and used and no_slopes]
+    return wrong, [check.words for check in faults if check.words not in wrong]
 
 
 def _refutation(runner: IsolatedRunner, seen: Verification) -> Refutation:
     """Ask the runner's stepper what it is instead; a stepper that passes loads nothing of this."""
-    from driftproof.blackbox.identify import identification_report
+    from driftproof.blackbox.identify import identification
     from driftproof.blackbox.judging.single_mistakes import single_mistakes
 
     titles = criteria.COEFFICIENTS, criteria.ORDER, criteria.DENSE_OUTPUT
     read, order, dense = (seen.outcomes[title] for title in titles)
-    instead, naming = identification_report(runner, read, order, dense)
+    found = identification(runner, read, order, dense)
     mistakes = runner.outcome_of(partial(single_mistakes, method=seen.method)).result or ()
-    return Refutation(seen, instead, naming, mistakes)
+    return Refutation(seen, found, mistakes)

@@ -57,10 +57,11 @@ def stability_command(options: Namespace) -> str:
         " implicit ones where the problem is stiff)"
     ),
     cli.parameters_option(cli.OTHER_PARAMETERS),
-    cli.option(
+    cli.list_option(
         "--error",
-        "the accuracy you want: tell first which method reaches it at the end, with which h, at what cost",
-        type=cli.positive_number("error"),
+        "the accuracy you want, or several: tell first which method reaches it at the end, with which h, at what cost",
+        type=cli.several(cli.positive_number("error")),
+        metavar="E,E",
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
     cli.list_option("--peers", "also scipy, diffrax, heyoka, torchdiffeq", type=cli.several(str), metavar="P,P"),
@@ -78,7 +79,7 @@ def work_precision_command(options: Namespace) -> str:
     examples:
       driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
       driftproof work-precision kaps --methods rk4,radau_iia2,bdf2 --time-limit 0.01 -o measured/
-      driftproof work-precision kepler --error 1e-8 --time-limit 0.01
+      driftproof work-precision kepler --error 1e-5,1e-8 --time-limit 0.01
 
     Without any argument: seven methods on the harmonic oscillator, in about twenty seconds.
 

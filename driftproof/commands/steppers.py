@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from driftproof.blackbox.report import Report
 
 MOST_EXAMPLES = 10**6
-CALLS = ("map", "force", "field", "rosenbrock", "imex", "magnetic", "rotation")
+CALLS = cli.names_in("driftproof.blackbox.stepper.calling_conventions", "SIGNATURES")
 TARGET = (
     cli.option("step", "the stepper and where to import it from, such as mylib.ode:step", metavar="MODULE:STEP"),
     cli.option("--calls", "how to call the stepper, if its parameter names do not show it", choices=CALLS),
@@ -35,6 +35,7 @@ SYSTEM_OPTION = cli.option("--system", "f(t, y) that a step without a force shou
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
 WITH_A_METHOD = ("examples", "extremes", "largest_step", "largest_state", *ALLOWANCES)
+WITHOUT_A_SYSTEM = ("examples", "extremes", *ALLOWANCES[:3])
 WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 
 
@@ -78,9 +79,9 @@ def identify_command(options: Namespace) -> str:
 )
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
-    The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
-    system built in, only the step of q'' = -q can be seen, and the verdict is about that step alone. Implicit stages of
-    a step(f, t, y, h) are read up to the residual that their solver leaves, whose size the report states.
+    The bound holds for the definition's sums and products in any order, fused or not. A built-in system is q'' = -q,
+    one read from short steps (then undecided), or the one given with --system. Implicit stages of a step(f, t, y, h)
+    are read up to the residual that their solver leaves, whose size the report states.
 
     examples:
       driftproof verify mylib.integrators:step --method velocity_verlet
@@ -115,8 +116,10 @@ def _examined(options: Namespace) -> str:
         cli.refuse(options, WITH_A_METHOD, "without --method")
         report = identify(options.step, **how)
         return _written(report, report.answered, options)
-    smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
-    domain = Domain(options.largest_step or 2.0, options.largest_state or 1000.0, **smallest)
+    if getattr(options, "system", None):
+        cli.refuse(options, WITHOUT_A_SYSTEM, "with --system")
+    sizes = {name: x for name in ("largest_step", "largest_state") if (x := getattr(options, name))}
+    domain = Domain(**sizes, **({"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}))
     allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     how |= {"examples": examples, "domain": domain, "allowance": allowance, "system": getattr(options, "system", None)}

@@ -35,13 +35,13 @@ class CollocationMatrices:
     """Radau stages -1 < σ_1 < ... < σ_m = 1, to double precision, and matrices for values at -1 and the stages.
 
     `slopes` maps these values to the derivatives at the stages, `coefficients` to the coefficients of σ^k. `chebyshev`
-    maps rows of such coefficients, of any degree below its size, to coefficients of Chebyshev polynomials.
+    maps rows of such coefficients, of any degree below its size, to those of Chebyshev polynomials, in doubles.
     """
 
     stages: tuple[float, ...]
     slopes: arb_mat
     coefficients: arb_mat
-    chebyshev: arb_mat
+    chebyshev: Any
 
 
 @cache
@@ -59,7 +59,9 @@ def collocation(m: int, bits: int, length: int) -> CollocationMatrices:
             for j, c in enumerate(rows[k - 1][:k]):
                 rows[k][j + 1] += c / 2
                 rows[k][abs(j - 1)] += c / 2
-    return CollocationMatrices(tuple(stages), slopes.mid(), inverse, arb_mat(rows))
+    return CollocationMatrices(
+        tuple(stages), slopes.mid(), inverse, np.array([[float(x) for x in row] for row in rows])
+    )
 
 
 @dataclass(frozen=True)
@@ -76,13 +78,14 @@ class Stages:
         return [arb_poly([x.mid() for x in row]) for row in rows]
 
     def flow(self, start: arb_mat) -> list[arb_mat]:
-        """The V_k of V = Σ V_k σ^k, which nearly solves V' = JV, V(-1) = start; computed in doubles."""
+        """The V_k of V = Σ V_k σ^k, which nearly solves V' = JV, V(-1) = start; computed in doubles, which they are."""
         n, m = start.nrows(), len(self.method.stages)
         first = np.array([[float(x) for x in row] for row in start.tolist()])
         from_start = np.array([float(row[0]) for row in self.method.slopes.tolist()])
         found = self.solved(-np.kron(from_start[:, None], first)).reshape(m, *first.shape)
         columns = arb_mat([[float(x) for x in values.ravel()] for values in [first, *found]])
-        return [arb_mat(n, start.ncols(), row).mid() for row in (self.method.coefficients * columns).tolist()]
+        rows = (self.method.coefficients * columns).tolist()
+        return [arb_mat(n, start.ncols(), [float(x) for x in row]) for row in rows]
 
     def solved(self, right: Any) -> Any:
         """The solution of the linear system with Newton's matrix for each column of `right`."""

@@ -74,25 +74,17 @@ def _fast_directions(m: arb_mat) -> list[list[arb]]:
     return found
 
 
-def _complement(columns: list[list[arb]], n: int) -> list[list[arb]]:
-    """Orthonormal vectors orthogonal to the columns, in Arb's precision: doubles fail beside fast directions."""
-    made = list[list[arb]]()
-    left = [[arb(int(i == j)) for j in range(n)] for i in range(n)]
-    for choice in [[x] for x in columns] + [left] * (n - len(columns)):
-        rests = [_orthogonal(x, made) for x in choice]
-        lengths = [sum((x * x for x in rest), arb(0)).sqrt().mid() for rest in rests]
-        longest = max(range(len(rests)), key=lambda i: float(lengths[i]))
-        made.append([(x / lengths[longest]).mid() for x in rests[longest]])
-    return made[len(columns) :]
-
-
-def _orthogonal(column: Sequence[arb], others: Sequence[Sequence[arb]]) -> list[arb]:
-    """The column without its parts along the others, by Gram-Schmidt, twice for accuracy."""
-    rest = list(column)
-    for other in (*others, *others):
-        along = sum((x * y for x, y in zip(rest, other, strict=True)), arb(0))
-        rest = [(x - along * y).mid() for x, y in zip(rest, other, strict=True)]
-    return rest
+def _complement(columns: list[list[arb]], n: int) -> Any:
+    """Vectors orthogonal to the columns, in Arb's precision: doubles, which find them, fail beside fast directions."""
+    whole = arb_mat(n, n, 1)
+    if not columns:
+        return whole.tolist()
+    C = arb_mat(columns).transpose()
+    C = C * arb_mat(np.linalg.inv(np.linalg.qr(_floats(C, [1] * n), mode="r")).tolist())  # nearly orthonormal
+    projection = (whole - C * ((C.transpose() * C).inv() * C.transpose())).mid()
+    vectors = np.linalg.eigh(_floats(projection, [1] * n))[1][:, len(columns) :]
+    found = (projection * arb_mat(vectors.tolist())).mid() if len(columns) < n else arb_mat(n, 0)
+    return found.transpose().tolist()
 
 
 def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence[float | arb]) -> arb_mat:

@@ -50,11 +50,6 @@ def power_of(x: Value, n: int) -> Value:
     return result
 
 
-def times(factor: Value, d: Value) -> Value:
-    """The product; a derivative that is the integer 0 costs nothing."""
-    return factor * d if not isinstance(d, int) or d else 0
-
-
 def inverse_of(x: Value, does: str = "divides by a number that may be 0") -> Value:
     """1/x. Raises Refused, with what f does, where x may be 0."""
     try:

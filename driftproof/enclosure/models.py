@@ -19,6 +19,7 @@ from driftproof.enclosure.evaluations import Refused
 Constant: TypeAlias = int | arb
 # The real σ of a step that begins at the centre of the disc, and of one that has the centre in its middle.
 STEP, BOTH_WAYS = arb(0.5, 0.5), arb(0, 1)
+_NOTHING = arb(0)
 
 
 class TaylorModel:
@@ -33,7 +34,7 @@ class TaylorModel:
             tail = tail + beyond(whole, length)
             whole = whole.truncate(length)
         self.polynomial, self.length = whole, length
-        self.tail = _upper(arb(tail))
+        self.tail = _upper(arb(tail)) if tail else _NOTHING
         self._norm: arb | None = None
 
     @property
@@ -98,9 +99,8 @@ class TaylorModel:
         """The product, by (p + ρ)(q + τ) = pq + p τ + ρ (q + τ)."""
         if not isinstance(other, TaylorModel):
             return TaylorModel(self.polynomial * other, self.length, self.tail * abs(other))
-        return TaylorModel(
-            self.polynomial * other.polynomial, self.length, self.norm * other.tail + self.tail * other.norm
-        )
+        rest = self.norm * other.tail + self.tail * other.norm if self.tail or other.tail else 0
+        return TaylorModel(self.polynomial * other.polynomial, self.length, rest)
 
     __rmul__ = __mul__
 
@@ -196,7 +196,7 @@ class TaylorModel:
 
 def beyond(polynomial: arb_poly, first: int) -> arb:
     """Σ |c_k| over k >= first."""
-    return sum((abs(c) for c in polynomial.coeffs()[first:]), arb(0))
+    return sum(map(abs, polynomial.coeffs()[first:]), _NOTHING)
 
 
 def _along(x: TaylorModel, function: str) -> Any:
@@ -219,10 +219,20 @@ def _geometric(error: arb, does: str) -> arb:
     return error / (1 - error)
 
 
-def coefficients_of(models: Sequence[Sequence[TaylorModel]], length: int) -> tuple[list[arb_mat], arb_mat]:
-    """The coefficients of a matrix of models, one matrix for each power of σ, and the matrix of the tails."""
-    tails = arb_mat([[x.tail for x in row] for row in models])
-    return [arb_mat([[x.coefficient(k) for x in row] for row in models]) for k in range(length)], tails
+def coefficients_of(models: Sequence[Sequence[TaylorModel | arb]]) -> tuple[list[arb_mat], arb_mat]:
+    """The coefficients of a matrix of models and constants, one matrix for each power of σ, and that of the tails."""
+    n, m = len(models), len(models[0])
+    length = max((x.polynomial.length() for row in models for x in row if isinstance(x, TaylorModel)), default=1)
+    found, tails = [arb_mat(n, m) for _ in range(max(length, 1))], arb_mat(n, m)
+    for i, row in enumerate(models):
+        for j, x in enumerate(row):
+            if isinstance(x, TaylorModel):
+                tails[i, j] = x.tail
+                for k, c in enumerate(x.polynomial.coeffs()):
+                    found[k][i, j] = c
+            else:
+                found[0][i, j] = x
+    return found, tails
 
 
 def value_at(coefficients: Sequence[arb_mat], sigma: arb) -> arb_mat:
@@ -231,20 +241,3 @@ def value_at(coefficients: Sequence[arb_mat], sigma: arb) -> arb_mat:
     for c in reversed(coefficients[:-1]):
         value = value * sigma + c
     return value
-
-
-def ranges(chebyshev: arb_mat, coefficients: Sequence[arb_mat]) -> arb_mat:
-    """Balls of the entries of Σ C_k σ^k for -1 <= σ <= 1, from coefficients of Chebyshev polynomials.
-
-    Those of the powers would be larger by a factor of up to 1 + sqrt 2 for each power. `chebyshev` maps rows of
-    coefficients of powers to coefficients of Chebyshev polynomials.
-    """
-    n, k = coefficients[0].nrows(), coefficients[0].ncols()
-    flat = [m.entries() for m in coefficients] + [[arb(0)] * (n * k)] * (chebyshev.nrows() - len(coefficients))
-    rows = (arb_mat(flat).transpose() * chebyshev).tolist()
-    return arb_mat(n, k, [row[0] + arb(0, sum((abs(x) for x in row[1:]), arb(0)).upper()) for row in rows])
-
-
-def bounds(chebyshev: arb_mat, coefficients: Sequence[arb_mat]) -> arb_mat:
-    """Upper bounds of the sizes of the entries of Σ C_k σ^k for -1 <= σ <= 1."""
-    return arb_mat([[arb(x.abs_upper()) for x in row] for row in ranges(chebyshev, coefficients).tolist()])

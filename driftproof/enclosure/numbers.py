@@ -8,7 +8,7 @@ a ball cannot decide, a conversion to a float, a function where it is not analyt
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial, wraps
 from math import ceil, floor, trunc
@@ -19,7 +19,7 @@ import numpy as np
 from flint import arb, arb_series
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
-from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of, times
+from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FLOOR
 
@@ -29,10 +29,11 @@ def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[En
 
     @wraps(operation)
     def lifting(x: Enclosed, other: object) -> Any:
+        if isinstance(other, Enclosed):
+            return operation(x, other)
         if isinstance(other, np.ndarray) or getattr(other, "__array_ufunc__", x) is None:
             return NotImplemented
-        lifted = other if isinstance(other, Enclosed) else Enclosed(x.evaluation, x.evaluation.constant(other))
-        return operation(x, lifted)
+        return operation(x, Enclosed(x.evaluation, x.evaluation.constant(other)))
 
     return lifting
 
@@ -67,8 +68,21 @@ def _compares(name: str) -> Callable[[Enclosed, object], Any]:
     return compared
 
 
+# The derivative of a component with respect to itself; a factor is not multiplied by it.
+OWN_SLOPE = arb(1)
+
+
+def _summed(x: Mapping[int, Value] | None, y: Mapping[int, Value] | None) -> Mapping[int, Value] | None:
+    """The partial derivatives of a sum."""
+    return {**x, **{j: x[j] + d if j in x else d for j, d in y.items()}} if x and y else x or y
+
+
+def _times(x: Mapping[int, Value], factor: Value) -> Mapping[int, Value]:
+    return {j: factor if d is OWN_SLOPE else factor * d for j, d in x.items()}
+
+
 class Enclosed:
-    """A number of an `Evaluation`: a value and, if they are carried along, its partial derivatives.
+    """A number of an `Evaluation`: a value and its partial derivatives by the components that it depends on, if asked.
 
     `exact` is the rational number that a constant is, as far as that is known.
     """
@@ -80,7 +94,7 @@ class Enclosed:
         self,
         evaluation: Evaluation,
         value: Value,
-        partials: tuple[Value, ...] | None = None,
+        partials: Mapping[int, Value] | None = None,
         exact: Fraction | None = None,
     ) -> None:
         """Take all as they are."""
@@ -88,28 +102,24 @@ class Enclosed:
 
     def _with_chain_rule(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
         """The value with derivatives by the chain rule; each rule gives the derivative with respect to its argument."""
-        partials: tuple[Value, ...] | None = None
+        partials: Mapping[int, Value] | None = None
         for argument, rule in rules:
-            if argument.partials is not None:
-                factor = rule()
-                terms = tuple(times(factor, d) for d in argument.partials)
-                partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
+            if argument.partials:
+                partials = _summed(partials, _times(argument.partials, rule()))
         return Enclosed(self.evaluation, value, partials)
 
     @_lifts_other
     def __add__(self, o: Enclosed) -> Enclosed:
-        value, partials = self.value + o.value, self.partials or o.partials
+        value = self.value + o.value
         self.evaluation.made_of(value, self.value, o.value, product=False)
-        if self.partials is not None and o.partials is not None:
-            partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
-        return Enclosed(self.evaluation, value, partials)
+        return Enclosed(self.evaluation, value, _summed(self.partials, o.partials))
 
     __radd__ = __add__
 
     def __neg__(self) -> Enclosed:
         value = -self.value
         self.evaluation.made_of(value, self.value, arb(-1), product=True)
-        return Enclosed(self.evaluation, value, self.partials and tuple(-d for d in self.partials))
+        return Enclosed(self.evaluation, value, self.partials and {j: -d for j, d in self.partials.items()})
 
     def __pos__(self) -> Enclosed:
         return self
@@ -126,7 +136,8 @@ class Enclosed:
     def __mul__(self, o: Enclosed) -> Enclosed:
         value = self.value * o.value
         self.evaluation.made_of(value, self.value, o.value, product=True)
-        return self._with_chain_rule(value, (self, lambda: o.value), (o, lambda: self.value))
+        partials = self.partials and _times(self.partials, o.value)
+        return Enclosed(self.evaluation, value, _summed(partials, o.partials and _times(o.partials, self.value)))
 
     __rmul__ = __mul__
 
@@ -162,7 +173,7 @@ class Enclosed:
         if n < 0:
             return 1 / self._whole_power(-n)
         if n == 0:
-            return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
+            return Enclosed(self.evaluation, self.value * 0 + 1)
         before = power_of(self.value, n - 1)
         return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
@@ -271,7 +282,9 @@ class Enclosed:
         return enclosed(self.evaluation, result) if ufunc.__name__ in SELECTING else _unboxed(result)
 
     def __getattr__(self, name: str) -> Callable[[], Enclosed]:
-        """A function of the tables below: numpy.sin(x) calls x.sin()."""
+        """A function of the tables below: numpy.sin(x) calls x.sin(), and asks for what an array has."""
+        if name.startswith("__"):
+            raise AttributeError(name)
         if name in ANALYTIC:
             return lambda: self._analytic(*ANALYTIC[name])
         if name in _BY_OTHERS:

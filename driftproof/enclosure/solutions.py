@@ -22,6 +22,7 @@ from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, S
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
+    NO_SLOPE,
     SHORTEST_PART,
     EnclosedStep,
     Expansion,
@@ -130,6 +131,7 @@ class _Path:
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | Window | None = None
         self.weights: Weights | None = None
+        self.coupled = 0.0
         self.lengths, self.longest, self.changes = list[Fraction](), LONGEST_STEP, list[Fraction]()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
@@ -159,8 +161,11 @@ class _Path:
         if self.weights is None:
             time = Clock(Evaluation(span=(self.t, None)), enclose(self.t))
             _, jacobian = linearised(self.f, time, self.point)
-            self.weights = balanced(jacobian, [arb(1)] * len(error))
-        expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights)
+            self.weights = [arb(1)] * len(error)
+            if self.step is None:  # behind a kink that is left from rest, derivatives may be tiny
+                self.weights = balanced(jacobian, self.weights)
+            self.coupled = sum(x is not NO_SLOPE for row in jacobian for x in row) / len(error)
+        expansion = Expansion(self.f, self.t, self.point, self.length, decided, self.weights, self.coupled)
         before = self.step
         try:
             self.step = expansion.step(self.longest, error, WIDEST_WINDOW * (self.last - self.first))

@@ -23,14 +23,15 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.crossings import LEFT, Crossing, first_change
+from driftproof.enclosure.double_balls import DoubleBalls, convolved, derivative, norm_of, value_at_one
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Replay
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import Enclosed, series, size
+from driftproof.enclosure.numbers import OWN_SLOPE, Enclosed, series, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
-VARIATIONAL_LENGTH = 14
+VARIATIONAL_LENGTH = 24
 # A step that fails is shortened by this factor, in 128 bits at most this often: to below 2⁻⁶⁰ of its first length. In
 # more bits that is in proportion, since a solution at rest on a kink leaves it by steps from some 2^(-bits/2) on.
 SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
@@ -46,6 +47,7 @@ SHORTEST_PART = Fraction(1, 2**40)
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
 # Sweeps to balance the weights. A few suffice even for the first step; others begin with the weights of the one before.
 SWEEPS = 2
+NO_SLOPE = arb(0)
 _EFFORT = ContextVar("part of the steps that are allowed", default=1.0)
 
 # The weights d of the norm |e| = max |e_i|/d_i, each a power of two.
@@ -138,14 +140,26 @@ class Expansion:
     """The Taylor expansion of the solution from a thin point, from which steps of any length are made."""
 
     def __init__(
-        self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[int], weights: Weights
+        self,
+        f: RightHandSide,
+        t: Fraction,
+        y: Sequence[arb],
+        length: int,
+        decided: Sequence[int],
+        weights: Weights,
+        coupled: float | None = None,
     ) -> None:
-        """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are."""
+        """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are.
+
+        A rate is said to depend on so many components that are `coupled` with it, in the mean; by default on all.
+        """
         self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
         self.cut = self.jumped = False
-        self.rows, slopes, known, most = [[x] for x in y], list[arb_mat](), 1, _slopes_that_pay(len(y), length)
+        self.rows, slopes, known, self.affine = [[x] for x in y], list[arb_mat](), 1, False
+        most = _slopes_that_pay(len(y) if coupled is None else coupled, length)
         while known < length:
-            slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
+            reach = length if self.affine else min(length, known + min(known, most) + 1)
+            slopes, known = self._extend(known, reach, slopes)
 
     def step(self, longest: Fraction, errors: Sequence[arb], nearest: Fraction = Fraction(0)) -> EnclosedStep:
         """A step of at most the length `longest`, valid for every start that differs from the point by the errors.
@@ -213,7 +227,7 @@ class Expansion:
         while multiple < WIDEST_TUBE:
             radius = arb((multiple * error + arb(2) ** -ctx.prec).upper())
             jacobian = self._jacobian(h, polynomials, radius)
-            ranges = [[x.range() for x in row] for row in jacobian]
+            ranges = [[x if isinstance(x, arb) else x.range() for x in row] for row in jacobian]
             tube = Tube(radius, _logarithmic_norm(ranges))
             if tube.growth(step) * error < radius:
                 if (flow := _flow(jacobian, step, tube)) is None:
@@ -228,12 +242,18 @@ class Expansion:
     def _extend(self, known: int, length: int, slopes: list[arb_mat]) -> tuple[list[arb_mat], int]:
         """Extend p from `known` to `length` coefficients; the coefficients of ∂f/∂y are `slopes` if these suffice.
 
-        With k coefficients known, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
+        With k coefficients known, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method). If
+        ∂f/∂y is constant, nothing is left out, and the first coefficient serves for all.
         """
-        wanted = min(known, length - known - 1)
+        wanted = 1 if self.affine else min(known, length - known - 1)
         rates, partials = self._on_series(length - 1, slopes=len(slopes) < wanted)
         if len(slopes) < wanted:
-            slopes = [arb_mat([[_coefficient(x, k) for x in row] for row in partials]).mid() for k in range(wanted)]
+            self.affine = all(isinstance(x, arb) for row in partials for x in row)
+            wanted = 1 if self.affine else wanted
+            slopes = [arb_mat(len(rates), len(rates)) for _ in range(wanted)]
+            for i, j, x in _entries(partials):
+                for k, J in enumerate(slopes):
+                    J[i, j] = _coefficient(x, k).mid()
         found: list[arb_mat] = []
         for k in range(known, length):
             left = arb_mat([[_coefficient(rate, k - 1)] for rate in rates])
@@ -265,7 +285,7 @@ class Expansion:
         slopes = [TaylorModel(p.derivative() * (1 / enclose(h)), length) for p in polynomials]
         return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))
 
-    def _jacobian(self, h: Fraction, polynomials: Sequence[arb_poly], radius: arb) -> list[list[TaylorModel]]:
+    def _jacobian(self, h: Fraction, polynomials: Sequence[arb_poly], radius: arb) -> list[list[Any]]:
         """∂f/∂y along p + b for every constant b in the tube, in units of the weights; b may be the error at any time.
 
         f decides its comparisons here on the whole tube, and so as it did on p, which is part of it.
@@ -275,75 +295,75 @@ class Expansion:
             TaylorModel(p, length) + arb(0, (radius * d).upper())
             for p, d in zip(polynomials, self.weights, strict=True)
         ]
-        _, rows = linearised(self.f, self._time(h, length), box)
-        return self._scaled(
-            [[x if isinstance(x, TaylorModel) else TaylorModel([x], length) for x in row] for row in rows], 1
-        )
+        return self._scaled(linearised(self.f, self._time(h, length), box)[1], 1)
 
     def _scaled(self, rows: list[list[Any]], power: int) -> list[list[Any]]:
         """The matrix with entry (i, j) times (d_j/d_i)^power; this is exact, as the weights are powers of two."""
         d = self.weights
         return [
-            [x * (d[j] / d[i]) ** power if d[i] != d[j] else x for j, x in enumerate(row)] for i, row in enumerate(rows)
+            [x * (d[j] / d[i]) ** power if x is not NO_SLOPE and d[i] != d[j] else x for j, x in enumerate(row)]
+            for i, row in enumerate(rows)
         ]
 
 
-def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> arb_mat | None:
+def _flow(jacobian: Sequence[Sequence[Any]], step: arb, tube: Tube) -> arb_mat | None:
     """The derivative of y(t + h) with respect to its start, for all starts in the tube; None if it is not sharp.
 
-    P, with thin coefficients, nearly solves P' = hJP in σ. Gronwall's inequality turns the norm of its defect hJP - P',
+    P, in doubles, nearly solves P' = hJP in σ. Gronwall's inequality turns the norm of its defect hJP - P',
     which has tiny low coefficients, products beyond the length and J's tail, into a bound of the error.
     """
     n, length = len(jacobian), VARIATIONAL_LENGTH
-    J = [arb_mat([[x.coefficient(k) * step for x in row] for row in jacobian]) for k in range(length)]
-    tail = step * size(sum((x.tail for x in row), arb(0)) for row in jacobian)
-    P, defect = [arb_mat(n, n, 1)], arb(0)
+    entries, J = _entries(jacobian), DoubleBalls(np.zeros((length, n, n)), np.zeros((length, n, n)))
+    parts = DoubleBalls.of(
+        (_coefficient(x, k) * step for *_, x in entries for k in range(length)), len(entries), length
+    )
+    for whole, part in zip(J, parts, strict=True):
+        whole[:, [i for i, *_ in entries], [j for _, j, _ in entries]] = part.T
+    tail = step * size(sum((x.tail for x in row if isinstance(x, TaylorModel)), arb(0)) for row in jacobian)
+    P = np.zeros((length, n, n))
+    P[0] = np.eye(n)
     for k in range(length - 1):
-        product = sum((J[i] * P[k - i] for i in range(1, k + 1)), J[0] * P[k])
-        P.append((product * (1 / arb(k + 1))).mid())
-        defect += _row_sum(product - (k + 1) * P[-1])
-    of_J, of_P = [_row_sum(m) for m in J], [_row_sum(m) for m in P]
-    defect += sum((of_J[i] * of_P[j] for i in range(length) for j in range(length - 1 - i, length)), arb(0))
-    defect += tail * sum(of_P, arb(0))
-    error = (defect * tube.growth(step)).upper()
-    found = sum(P[1:], P[0])
+        P[k + 1] = (J.mid[: k + 1] @ P[k::-1]).sum(axis=0) / (k + 1)
+    defect = norm_of(convolved(J, P).less(derivative(P)).sizes()) + tail * norm_of(np.abs(P))
+    error, found = (defect * tube.growth(step)).upper(), value_at_one(P)
     if not error < LOOSEST_FLOW * size(found.entries()):
         return None
     return found + arb_mat([[arb(0, error)] * n] * n)
 
 
-def _slopes_that_pay(components: int, length: int) -> int:
-    """The number of coefficients of ∂f/∂y with which p costs the fewest runs of f; a run with gradients costs 1 + n.
+def _slopes_that_pay(coupled: float, length: int) -> int:
+    """The number of coefficients of ∂f/∂y with which p costs the fewest runs of f, one with gradients costing 1 + n.
 
     With m = 2^i - 1 of them, i runs with gradients give 2m + 1 coefficients of p, and each further run m + 1 more.
     """
     sizes = [(i, 1 << i) for i in range(length.bit_length())]
-    runs = {size - 1: i * (1 + components) + (length - 2 * size + 1) / size for i, size in sizes}
+    runs = {size - 1: i * (1 + coupled) + (length - 2 * size + 1) / size for i, size in sizes}
     return min(runs, key=runs.__getitem__)
 
 
-def _row_sum(m: arb_mat) -> arb:
-    """The matrix norm that belongs to the maximum norm, rounded up."""
-    return size(sum((abs(x) for x in row), arb(0)) for row in m.tolist())
+def _entries(rows: Sequence[Sequence[Any]]) -> list[tuple[int, int, Any]]:
+    """Row, column and value of the entries that are not NO_SLOPE."""
+    return [(i, j, x) for i, row in enumerate(rows) for j, x in enumerate(row) if x is not NO_SLOPE]
 
 
 def _coefficient(value: Any, k: int) -> arb:
-    """Coefficient k of a series, or of a constant."""
-    if isinstance(value, int | arb):
-        return arb(value) if k == 0 else arb(0)
-    return arb(value[k])
+    """Coefficient k of a series or a model, or of a constant."""
+    if isinstance(value, arb):
+        return value if k == 0 else NO_SLOPE
+    return value.coefficient(k) if isinstance(value, TaylorModel) else arb(value[k])
 
 
 def linearised(
     f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
 ) -> tuple[list[Any], list[list[Any]]]:
-    """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
-    n = len(y)
-    seeds = [tuple(int(i == j) for j in range(n)) if slopes else None for i in range(n)]
-    state = [Enclosed(time.evaluation, value, seed) for value, seed in zip(y, seeds, strict=True)]
+    """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls.
+
+    Entries are NO_SLOPE where a rate does not depend on a component.
+    """
+    state = [Enclosed(time.evaluation, value, {j: OWN_SLOPE} if slopes else None) for j, value in enumerate(y)]
     rates = enclosed_rates(f, time, state)
-    rows = [rate.partials or (0,) * n for rate in rates]
-    return [rate.value for rate in rates], [[arb(x) if isinstance(x, int) else x for x in row] for row in rows]
+    rows = [[(rate.partials or {}).get(j, NO_SLOPE) for j in range(len(y))] for rate in rates]
+    return [rate.value for rate in rates], rows
 
 
 def balanced(jacobian: Sequence[Sequence[arb]], before: Weights) -> Weights:

@@ -21,9 +21,10 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
+from driftproof.enclosure.double_balls import bounds, coefficients_in_doubles, convolved, derivative, ranges
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
-from driftproof.enclosure.models import TaylorModel, bounds, coefficients_of, ranges, value_at
+from driftproof.enclosure.models import TaylorModel, coefficients_of, value_at
 from driftproof.enclosure.numbers import Enclosed
 from driftproof.enclosure.steps import fewer_steps, linearised, obstacle_ahead
 from driftproof.symbolic.algebra.certified import enclose
@@ -237,8 +238,8 @@ class StiffPath:
         state = [Enclosed(time.evaluation, TaylorModel(p, length)) for p in polynomials]
         rates = [rate.value for rate in enclosed_rates(self.f, time, state)]
         slopes = [TaylorModel(p.derivative() * (2 / step), length) for p in polynomials]
-        left = [[TaylorModel([arb(0)], length) + rate - slope] for rate, slope in zip(rates, slopes, strict=True)]
-        coefficients, tails = coefficients_of(left, length)
+        left = [[rate - slope] for rate, slope in zip(rates, slopes, strict=True)]
+        coefficients, tails = coefficients_of(left)
         return bounds(self.method.chebyshev, [T * c for c in coefficients]) + sizes_of(T) * tails
 
     def _comparison(
@@ -250,23 +251,17 @@ class StiffPath:
         box: arb_mat,
     ) -> tuple[arb_mat, arb_mat]:
         """The comparison matrix of T J̄ T⁻¹ and a bound of T (J̄V - V'), for all mean Jacobians J̄ of v and the box."""
-        (T, inverse), length, n = coordinates, self.length, self.n
+        (T, inverse), length = coordinates, self.length
         state = [TaylorModel(p, length) + arb(0, b.upper()) for p, b in zip(polynomials, box.entries(), strict=True)]
         _, rows = linearised(self.f, self._time(step), state)
-        rows = [[TaylorModel([arb(0)], length) + x for x in row] for row in rows]
-        coefficients, tails = coefficients_of(rows, length)
+        coefficients, tails = coefficients_of(rows)
         TJ, tails = [T * c for c in coefficients], sizes_of(T) * tails
-        J = ranges(self.method.chebyshev, [c * inverse for c in TJ])
+        J = ranges(self.method.chebyshev, [c * inverse for c in TJ]).in_arb()
         M = quasi_monotone(J + _around(tails * sizes_of(inverse)))
-        slopes = [T * V * (k * 2 / step) for k, V in enumerate(flow)][1:]
-        products = [arb_mat(n, n) for _ in range(length + len(flow))]
-        for i, c in enumerate(TJ):
-            for j, V in enumerate(flow):
-                products[i + j] += c * V
-        for k, slope in enumerate(slopes):
-            products[k] -= slope
-        beyond = sum((sizes_of(m) for m in products[length:]), arb_mat(n, n))
-        source = bounds(self.method.chebyshev, products[:length]) + beyond
+        V = coefficients_in_doubles(flow).mid
+        products = convolved(coefficients_in_doubles([c * (step / 2) for c in TJ]), V)
+        left = products.less(convolved(coefficients_in_doubles([T]), derivative(V).mid))
+        source = bounds(self.method.chebyshev, left) * (2 / step)
         return M, source + tails * bounds(self.method.chebyshev, flow)
 
 

@@ -14,7 +14,7 @@ from flint import ctx
 
 from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.catalogue import METHODS, Entry, of_one_state
 from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
@@ -55,11 +55,12 @@ from driftproof.symbolic.algebra.certified import (
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.claimed_orders import false_claims
 from driftproof.symbolic.facts import Facts
+from driftproof.symbolic.linear.eigenvalues import Eigenvalue
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.multistep_systems import MultistepSystemFacts
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Infinity
-from driftproof.symbolic.linear.systems import LinearSystem, SystemFacts, limit_of
+from driftproof.symbolic.linear.systems import LinearSystem, SystemFacts, ball_of, limit_of
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
@@ -110,9 +111,15 @@ def stability(
         "title": about.title,
         "linear": about.matrix is not None,
         "size": repr(largest_state_size(about)),
+        **({} if about.matrix is None else {"stiffest": _stiffest_text(about.matrix)}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
+
+
+def _stiffest_text(rows: Sequence[Sequence[Fraction]]) -> str:
+    """The eigenvalues of largest modulus."""
+    return ", ".join(map(eigenvalue_text, SystemFacts(METHODS["implicit_midpoint"], rows).stiffest()))
 
 
 def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
@@ -266,10 +273,27 @@ def _proved_at(found: LinearSystem, h: Fraction) -> Json:
         bounded = str(reason)
     try:
         factor = found.stiffest_factor(h)
-        shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), DIGITS)
-        return {"bounded": bounded, "factor": shown, "factor_less_one": _minus_one(factor)}
+        answer = {"bounded": bounded, **_factor(factor)}
+        if bounded is False and not enclose(factor) > 1:  # it is another one that grows
+            factors = [(float(enclose(found.factor_at(e, h))), e) for e, _ in found.bounds]
+            largest, other = max(factors, key=lambda each: each[0])
+            if largest > 1:
+                answer["grows"] = {"eigenvalue": eigenvalue_text(other), **_factor(found.factor_at(other, h))}
+        return answer
     except ArithmeticError as reason:  # Uncertified, or a pole
         return {"bounded": bounded, "factor": {"refused": str(reason)}, "factor_less_one": None}
+
+
+def _factor(factor: CertifiableReal) -> Json:
+    shown = _with_a_digit_more(lambda digits: exact_and_decimal(factor, digits, HALF_EVEN), DIGITS)
+    return {"factor": shown, "factor_less_one": _minus_one(factor)}
+
+
+def eigenvalue_text(eigenvalue: Eigenvalue) -> str:
+    """The eigenvalue, or the pair, to DIGITS digits."""
+    z = ball_of(eigenvalue)
+    real, imag = (f"{float(x.mid()):.{DIGITS}g}" if x != 0 else "" for x in (z.real, z.imag))
+    return f"{real} ± {imag}i".strip() if imag else real or "0"
 
 
 def _minus_one(factor: CertifiableReal) -> str | None:

@@ -102,12 +102,18 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
     if answer["linear"]:
-        notes += "\nbounded?: proved, for exactly this h; factor: growth per step for the eigenvalue of largest modulus"
+        largest = f"the eigenvalue of largest modulus, {answer['stiffest']}"
+        notes += f"\nbounded?: proved, for exactly this h; factor: growth per step for {largest}"
     return f"{table(rows, right=(2,))}\n\n{notes}"
 
 
 def _factor_text(run: Json) -> str:
-    """The decimal, or the difference of the factor from 1 if the decimal is 1."""
+    """The decimal, or the difference of the factor from 1 if the decimal is 1; and what grows if it is another part."""
+    if "grows" in run:
+        shown = (
+            _factor_text({name: each[name] for name in ("factor", "factor_less_one")}) for each in (run, run["grows"])
+        )
+        return f"{next(shown)}, but {next(shown)} for {run['grows']['eigenvalue']}"
     decimal, rest = run["factor"].get("decimal", "not decided"), run["factor_less_one"]
     if rest is None or Fraction(decimal) != 1:
         return str(decimal)

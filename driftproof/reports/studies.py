@@ -44,7 +44,7 @@ def work_precision(
     methods: GivenMethods = (),
     *,
     parameters: GivenParameters = (),
-    error: ExactNumber | None = None,
+    error: ExactNumber | Sequence[ExactNumber] = (),
     peers: Sequence[str] = (),
     time_limit: ExactNumber = 0.1,
     output: str | Path | None = None,
@@ -53,9 +53,8 @@ def work_precision(
 
     A point may be timed for `time_limit` seconds; runs for errors may take 10⁸ evaluations for each of these seconds.
     `parameters` replace some of the problem's own. Without methods a stiff problem gets implicit ones. `error` is the
-    accuracy that you want: which point reaches it with the fewest evaluations is told first. `output` is a folder for
-    files and figures, from which an interrupted study
-    goes on. Raises ValueError.
+    accuracy that you want, or several: which point reaches it with the fewest evaluations is told first. `output` is a
+    folder for files and figures, from which an interrupted study goes on. Raises ValueError.
 
     >>> from driftproof import work_precision
     >>> study = work_precision("dahlquist_1", ["forward_euler"], time_limit=1e-4)
@@ -66,7 +65,8 @@ def work_precision(
     decay, at = fastest_decay(about)
     usual = _FOR_STIFF if decay * about.t >= STIFF_DECAY else WORK_PRECISION_METHODS
     asked = methods_of(methods or usual)
-    wanted = None if error is None else float(Fraction(error))
+    errors = error.split(",") if isinstance(error, str) else error if isinstance(error, Sequence) else [error]
+    wanted = [float(Fraction(x)) for x in errors]
     study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), wanted)
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:

@@ -170,8 +170,11 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     require_package("distributed", "cluster", "--cluster needs distributed")
     from distributed import Client, KilledWorker
 
-    before = logging.root.manager.disable
-    logging.disable()  # what went wrong is raised, and distributed logs it once more with its own traceback
+    # What went wrong is raised, and distributed logs it once more with its own traceback.
+    unheard, known = lambda record: False, [*logging.root.manager.loggerDict]
+    loggers = [logging.getLogger(name) for name in known if name.partition(".")[0] == "distributed"]
+    for each in loggers:
+        each.addFilter(unheard)
     try:
         with Client(address, timeout=_SECONDS_TO_CONNECT, set_as_default=False) as client:
             yield _ClusterExecutor(client)
@@ -180,4 +183,5 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     except CancelledError:
         raise ConnectionError(f"the connection to the cluster at {address} was lost") from None
     finally:
-        logging.disable(before)
+        for each in loggers:
+            each.removeFilter(unheard)

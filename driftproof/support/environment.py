@@ -48,7 +48,7 @@ def imported_object(named: str, what: str) -> Any:
         dotted = re.fullmatch(r"([^\W\d][\w.]*)\.(\w+)", named)
         example = f", perhaps {dotted[1]}:{dotted[2]}" if dotted else ""
         raise ValueError(f"{named!r} names no {what}; write package.module:function{example}")
-    if os.getcwd() not in sys.path:
+    if os.getcwd() not in sys.path:  # and it stays there: what is imported may import its neighbours when it is called
         sys.path.insert(0, os.getcwd())
     try:
         found: Any = import_module(module)

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from driftproof import Allowance, assert_verified, stepper_of, verify
+from driftproof import Allowance, Domain, assert_verified, stepper_of, verify
 from tests.looping import exactly
 
 EXACT = Allowance(solver_tolerance=1e-12)
@@ -207,6 +207,15 @@ def test_a_system_is_for_a_step_of_one_method_that_takes_none():
         verify(lambda f, t, y, h: y + h * f(t, y), "forward_euler", system=circuit, isolate=False)
     with pytest.raises(ValueError, match="bdf2 is no method of one step"):
         verify(companion, "bdf2", system=circuit)
+
+
+@pytest.mark.parametrize(("option", "name"), [
+    ({"examples": 9}, "examples=9"), ({"domain": Domain(smallest_step=0.0)}, "smallest_step=0.0"),
+    ({"allowance": Allowance(flush_to_zero=True)}, "flush_to_zero=True"),
+])  # fmt: skip
+def test_what_has_no_effect_with_a_system_is_refused(option, name):
+    with pytest.raises(ValueError, match=f"{name} has no effect with a system"):
+        verify(spinning, "midpoint2", system=circuit, **option)
 
 
 def test_where_slopes_do_not_change_no_method_shows():

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -10,6 +11,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from driftproof.blackbox.isolation import TIME_LIMIT
+from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.specification import Domain
 
 ROOT = Path(__file__).parents[2]
@@ -30,6 +33,11 @@ def test_stepper_that_is_another_method_is_refuted_and_no_folder_is_left_behind(
     )
     assert (done.returncode, json.loads(done.stdout)["passed"], done.stderr) == (1, False, "")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
+
+
+def test_help_names_the_defaults_that_hold(run):
+    defaults = [TIME_LIMIT, EXAMPLES, *(largest for _, largest in Domain().ranges)]
+    assert re.findall(r"\(default (\d+)\)", run("verify", "--help")[1]) == [f"{x:g}" for x in defaults]
 
 
 @pytest.mark.parametrize("command", ["identify", "verify"])
@@ -86,6 +94,18 @@ REFUSED = {
     ("identify", "os:getcwd", "--largest-state", "9"): "--largest-state has no effect without --method",
     ("identify", "os:getcwd", "--solver", "--array", "os:a"): "--array has no effect with --solver",
     ("identify", "os:getcwd", "--solver", "--largest-step", "9"): "--largest-step has no effect with --solver",
+    ("verify", "a:b", "--method", "rk4", "--system", "a:f", "--extremes"): "--extremes has no effect with --system",
+    (
+        "verify",
+        "a:b",
+        "--method",
+        "rk4",
+        "--system",
+        "a:f",
+        "--examples",
+        "9",
+    ): "--examples has no effect with --system",
+    ("verify", "a:b", "--method", "rk4", "--system", "a:f", "--flush-to-zero"): "--flush-to-zero has no effect with",
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "the number of examples must be from 1 to 1000000",
     ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "the step size must be a number above 0",
     ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "0"): "must be a finite number > 0",

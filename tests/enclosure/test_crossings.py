@@ -60,6 +60,10 @@ CROSSING = {
     "arrays": (lambda t, y: np.where(y > 0, y + 1, 1.0), [-1], 2, lambda t: [(t - 1).exp() - 1]),
     "drag over the top": (drag, [0, 20], 4, lambda t: fallen(t, 20)),
     "drag from rest": (drag, [0, 0], 4, lambda t: fallen(t, 0)),
+    "from rest beside what is large": (
+        lambda t, y: [y[1], 1 + 4 * y[0] ** 2 - y[1] ** 3 * abs(y[1]), 0 * y[2]], [0, 0, 10**4], 1,
+        lambda t: [t * t / 2, t, arb(10**4)],
+    ),
     "a relay, seven times": (lambda t, y: [y[1], -np.sign(y[0])], [1, 0], 20, swung),
     "signs of arrays": (lambda t, y: np.array([y[1], -np.sign(y)[0]]), [1, 0], 4, swung),
     "a rectifier": (lambda t, y: [np.maximum(np.sin(t), 0)], [0], 8, lambda t: [rectified(t)]),

@@ -57,6 +57,15 @@ def test_a_factor_close_to_one_says_on_which_side_it_is(answer):
     assert "yes       1.00000" in rows["velocity_verlet", "1", "10"]
 
 
+def test_the_part_that_grows_is_named_where_the_factor_is_that_of_another():
+    """Forward Euler at 1/50: R = 0 at -50, and |1 + i/500|, 1 + 2e-6, at the slow pair; RK4 damps both."""
+    both = {"rates": ["-50*y0", "-y2/10", "y1/10"], "start": [1, 1, 0], "end": 10}
+    shown = str(driftproof.stability(both, "forward_euler,rk4", "1/50"))
+    assert re.search(r"forward_euler +0\.02 +500 +no +2\.08167e-17, but 1 \+ 2\.0e-6 for ± 0\.1i +error", shown)
+    assert re.search(r"rk4 +0\.02 +500 +yes +0\.375000 +error", shown)
+    assert shown.endswith("growth per step for the eigenvalue of largest modulus, -50")
+
+
 def test_the_limit_seen_is_the_first_h_that_fails_and_what_is_bounded_above_it_is_told(answer, tmp_path):
     """Two springs of frequencies 1 and √3; for RK4 there is no h above the limit."""
     (tmp_path / "springs.toml").write_text(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf, nan
 from typing import Any
 
@@ -94,7 +95,7 @@ def types(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     """Check that integers give what the floats give; nothing for adapters that cannot pass integers."""
-    adapter = _INTEGERS.get(runner.subject.adapter.name)
+    adapter = _INTEGERS.get(runner.subject.adapter)
     if adapter is None:
         return ()
     given = TrialRunner(replace(runner.subject, adapter=adapter))
@@ -118,14 +119,14 @@ def _whole(numbers: Sequence[adapters.AnyNumber]) -> list[adapters.AnyNumber]:
 
 # Adapters that pass whole numbers as integers, and others, such as those of a force, as they are.
 _INTEGERS = {
-    adapters.SCALARS.name: replace(adapters.SCALARS, name="int", write=lambda x: adapters.one_number(_whole(x))),
-    adapters.ARRAYS.name: replace(adapters.ARRAYS, name="numpy.array", write=lambda x: np.array(_whole(x))),
-    adapters.LISTS.name: replace(adapters.LISTS, name="list", write=_whole),
+    adapters.SCALARS: replace(adapters.SCALARS, name="int", write=lambda x: adapters.one_number(_whole(x))),
+    adapters.ARRAYS: replace(adapters.ARRAYS, name="numpy.array", write=lambda x: np.array(_whole(x))),
+    adapters.LISTS: replace(adapters.LISTS, name="list", write=_whole),
 }
 
 
-# A fault that is no other method: implicit steps in displacements divide by h squared.
-DIVIDES = "it divides by h = 0"
+# What a step of h = 0 does: by a fault that is no other method, as steps in displacements divide by h squared; rounded.
+ZERO_STEP, DIVIDES, ROUNDED = "zero_step", "divides", "rounded"
 
 
 def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -134,18 +135,18 @@ def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     trials = [runner.trial(q, v, 0.0) for q, v in (runner.scaled((1.0, 0.75)), runner.ordinary)]
     trial = next((trial for trial in trials if trial.answer != trial.given[:2]), None)
     if trial is None:
-        return (CheckResult("zero_step", True, "h = 0 returns the state unchanged", (trials[0],)),)
-    if "ZeroDivisionError" in trial.failure:
-        holds, words = False, f"{DIVIDES}: it raises ZeroDivisionError"
-    elif trial.answer is None:
-        return (CheckResult("zero_step", None, f"h = 0 is refused: {trial.refusal}", (trial,)),)
-    elif not trial.finite:
-        holds, words = False, f"{DIVIDES} and returns {trial.seen}"
-    else:
-        moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
-        holds, words = moved <= runner.rounding, f"h = 0 returns the state except for rounding by {moved:.1g}"
-        words = words if holds else f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}"
-    return (CheckResult("zero_step", holds, words, (trial,)),)
+        return (CheckResult(ZERO_STEP, True, "h = 0 returns the state unchanged", (trials[0],)),)
+    result = partial(CheckResult, ZERO_STEP, example=(trial,))
+    if trial.raised == "ZeroDivisionError":
+        return (result(False, "it divides by h = 0: it raises ZeroDivisionError", what=DIVIDES),)
+    if trial.answer is None:
+        return (result(None, f"h = 0 is refused: {trial.refusal}"),)
+    if not trial.finite:
+        return (result(False, f"it divides by h = 0 and returns {trial.seen}", what=DIVIDES),)
+    moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
+    if moved <= runner.rounding:
+        return (result(True, f"h = 0 returns the state except for rounding by {moved:.1g}", what=ROUNDED),)
+    return (result(False, f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}"),)
 
 
 def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:

@@ -32,7 +32,7 @@ ALIKE = 2.0**-10
 MANY = 40
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 CALL_BEFORE = "the answer depends on the previous call"
-SAME, _MEMORY = "same_answer_twice", "no_memory"
+SAME, MEMORY = "same_answer_twice", "no_memory"
 
 
 def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -50,7 +50,7 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     if alike:
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
-            CheckResult(_MEMORY, True, "it does not remember earlier calls"),
+            CheckResult(MEMORY, True, "it does not remember earlier calls"),
         )
     trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
     answers += [trial.answer for trial in trials if trial.answer is not None]
@@ -84,13 +84,13 @@ def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     """The checks of a stepper whose answer depends on the call before."""
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     repeated = CheckResult(SAME, True, "the same call gives the same bits after the same previous call")
-    return repeated, CheckResult(_MEMORY, False, CALL_BEFORE, example)
+    return repeated, CheckResult(MEMORY, False, CALL_BEFORE, example)
 
 
 def _varies(words: str, example: tuple[Trial, ...] = ()) -> tuple[CheckResult, ...]:
     """The checks of a stepper whose answers differ in no order of the calls."""
     varies = CheckResult(SAME, False, words, example)
-    return varies, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
+    return varies, CheckResult(MEMORY, None, "not tested: the answers vary from call to call")
 
 
 def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:

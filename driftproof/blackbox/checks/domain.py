@@ -13,7 +13,7 @@ from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
-_RANGES = ("position_range", "velocity_range")
+LARGE_STATES, _RANGES = "large_states", ("position_range", "velocity_range")
 _PLURALS = ("positions", "velocities")
 # Far out, a rule changes a state by more than this part of its size, a strong force in so short a step by rounding.
 _PLAIN = 2.0**-10
@@ -81,7 +81,7 @@ def _outwards(short: borders.NegligibleStep, component: int, sign: int, before: 
 def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border) -> Rule | None:
     """The rule behind the border; None if it is only a strong force that begins to be felt."""
     first = seen.beyond[0]
-    if first.answer is None and not first.failure.startswith("raises OverflowError"):  # of Python's own powers
+    if first.answer is None and first.raised != "OverflowError":  # of Python's own powers
         return Rule(REFUSED, component, seen, more=first.refusal)
     # NaN for a state of ordinary size, of which nothing overflows, is where the domain of a built-in system ends:
     # exponentials are the first to overflow, and their quotients and differences are NaN.
@@ -140,13 +140,13 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
     """Check where finite states begin to have no finite answer, though the step hardly moves them."""
     overflows = [rule for rule in rules if rule.kind == OVERFLOWS]
     if not overflows:
-        return CheckResult("large_states", True, "large states give finite answers")
+        return CheckResult(LARGE_STATES, True, "large states give finite answers")
     first = min(overflows, key=lambda rule: abs(rule.limit))
     name = borders.COMPONENT_NAMES[first.component]
     holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
     room = "close to" if holds else "far from"
     words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {room} overflow"
-    return CheckResult("large_states", holds, words, first.border.example)
+    return CheckResult(LARGE_STATES, holds, words, first.border.example)
 
 
 def _small(short: borders.NegligibleStep) -> CheckResult:

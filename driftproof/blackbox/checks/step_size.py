@@ -23,7 +23,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import power_of_two
 
-_KEY, IGNORED = "step_size", ("h is ignored", "nothing moves")
+STEP_SIZE, IGNORED = "step_size", "ignored"
 _STILL = "at v = 1, q = 0 stays 0 for every h > 0, as at the ends of a grid or after a run that fills arrays of its own"
 # From the position 0 a step moves by h v, which shows every bit of h. One speed is of ordinary size, one small: long
 # steps may end at a border of the domain, and small speeds may be put to rest, whatever h is.
@@ -47,11 +47,11 @@ def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     found = [rule for rule in (_raised(taken), capped or _in_whole_steps(taken)) if rule]
     for trial in map(taken.trial, () if found else (taken.shortest, _LONGEST)):
         if trial.answer is None:
-            return (CheckResult(_KEY, None, f"h = {trial.given[2]:.3g} is refused: {trial.refusal}", (trial,)),)
+            return (CheckResult(STEP_SIZE, None, f"h = {trial.given[2]:.3g} is refused: {trial.refusal}", (trial,)),)
     if not found:
-        return (CheckResult(_KEY, True, "every h is used as given"),)
+        return (CheckResult(STEP_SIZE, True, "every h is used as given"),)
     words, examples = zip(*found, strict=True)
-    return (CheckResult(_KEY, False, "; ".join(words), tuple(trial for example in examples for trial in example)),)
+    return (CheckResult(STEP_SIZE, False, "; ".join(words), tuple(trial for example in examples for trial in example)),)
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ def _ignored(taken: _Taken) -> CheckResult:
     simple = Fraction(length).limit_denominator(_DENOMINATORS)
     told = simple.denominator > 1 and runner.number(float(simple)) == length
     name = str(simple) if told else short_name(length)
-    words = f"{IGNORED[0]}: {words} {name} is always taken" if length else f"{IGNORED[1]}: {_STILL}"
-    return CheckResult(_KEY, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)))
+    words = f"h is ignored: {words} {name} is always taken" if length else f"nothing moves: {_STILL}"
+    return CheckResult(STEP_SIZE, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)), IGNORED)
 
 
 def _capped(taken: _Taken) -> _Found | None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from driftproof.blackbox.checks import arguments, determinism, domain, geometry, homogeneity, step_size
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
+from driftproof.blackbox.findings import CRASHES, NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # The checks by their names, which are the keys of results where they give none.
@@ -44,7 +44,7 @@ def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
     title = key.replace("_", " ")
     if outcome.kind in NO_EVIDENCE:
         return (CheckResult(key, None, f"{title}: undecided: {outcome.seen}"),)
-    if outcome.kind == "crashes":
+    if outcome.kind == CRASHES:
         crash = CheckResult("comes_back", False, f"{title}: the stepper crashes, {outcome.seen}")
         return crash, CheckResult(key, None, f"{title}: undecided: the stepper crashes")
     return (CheckResult(key, None, f"{title}: not tested: {outcome.seen}"),)

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
 from math import inf, isfinite
 from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape, once
 from driftproof.blackbox.probes.linear_steps import MOST_ROUNDING
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -93,8 +92,8 @@ class TrialRunner:
         except NotFinite as seen:
             return Trial(call, given, seen.answer)
         except StepRaised as seen:
-            cause = seen.__cause__
-            return Trial(call, given, failure=f"raises {type(cause).__name__}: {' '.join(str(cause).split())}")
+            cause, raised = seen.__cause__, type(seen.__cause__).__name__
+            return Trial(call, given, failure=f"raises {raised}: {' '.join(str(cause).split())}", raised=raised)
         except (WrongShape, NotANumber) as seen:
             return Trial(call, given, failure=str(seen).removeprefix("it "))
 
@@ -113,7 +112,7 @@ class TrialRunner:
         return float(np.nextafter(kind(x), kind(towards)))
 
 
-@lru_cache(maxsize=1)  # all checks of a stepper begin with it
+@once  # all checks of a stepper begin with it
 def steady_runner(subject: ForeignStepper) -> TrialRunner:
     """The runner of a stepper that gives the same bits again after another call. Raises Unsteady if it does not."""
     small: PhasePoint = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
@@ -149,12 +148,16 @@ TRAITS = frozenset(("symmetric", "reversible", "area_preserving", "norm_preservi
 
 @dataclass(frozen=True)
 class Trial:
-    """One call, as a line of Python, with its answer in numbers, or else its `failure`; `given` is (q, v, h)."""
+    """One call, as a line of Python, with its answer in numbers, or else its `failure`; `given` is (q, v, h).
+
+    `raised` is the name of the exception that the step raised.
+    """
 
     call: str
     given: tuple[float, float, float]
     answer: tuple[float, ...] | None = None
     failure: str = ""
+    raised: str = ""
 
     @property
     def finite(self) -> bool:
@@ -185,7 +188,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One sentence about a stepper; `key` says what it is about.
+    """One sentence about a stepper; `key` says what it is about, and `what` which of several answers verdicts ask for.
 
     `holds` is True if a duty is fulfilled or a trait is there, False if not, and None if that was not decided.
     """
@@ -194,6 +197,7 @@ class CheckResult:
     holds: bool | None
     words: str
     example: tuple[Trial, ...] = ()
+    what: str = ""
 
     @property
     def is_fault(self) -> bool:
@@ -211,8 +215,9 @@ def pair_text(numbers: tuple[float, ...]) -> str:
     return f"({', '.join(map(repr, numbers))})"
 
 
-# No decimals from here on are looked for: numbers of size 1000 have no more after the point.
-_DECIMALS = 12
+# No decimals from here on are looked for: numbers of size 1000 have no more after the point. Every double has so many
+# digits in all, which are 15.9.
+_DECIMALS, _DIGITS = 12, 15
 # With numbers down to 1/1000, more bits after the point than this are not those of a fixed point.
 _FIXED_POINT = 40
 # Floats have nearly all bits of their format as a rule, fixed-point numbers as many as fit: the last five bits of one
@@ -236,7 +241,9 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
         return None
     if all(x.is_integer() for x in numbers):
         return Quantisation(1.0, "answers are whole numbers")
-    decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
+    most = max(map(abs, numbers))
+    places = (k for k in range(1, _DECIMALS) if most * 10.0**k < 10.0**_DIGITS)
+    decimals = next((k for k in places if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {counted(decimals, 'decimal')}")
     last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point

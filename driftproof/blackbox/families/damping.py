@@ -20,7 +20,6 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import zeros
-from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.support.plain_text import Json
 
 # Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.
@@ -171,7 +170,7 @@ def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, A
 
 def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
     """The matrix D of v1 = D v without a force. Raises NotReadable if it is not the same for all v."""
-    n = TOGETHER.get(subject.adapter.name, 1)
+    n = max(1, subject.adapter.together)
 
     def stepped(v: Array) -> Array:
         end = subject.step_forced(zeros, 0.0, [0.0] * n, v.tolist(), h)

@@ -17,7 +17,7 @@ from driftproof.blackbox.families.multistep_runs import remembers
 from driftproof.blackbox.families.quaternions import QuaternionReading, read_quaternion
 from driftproof.blackbox.families.rosenbrock import RosenbrockIdentity, read_rosenbrock
 from driftproof.blackbox.families.second_answers import ESTIMATE
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
+from driftproof.blackbox.findings import NO_EVIDENCE, BadInput, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction, introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -120,7 +120,7 @@ def turns(subject: ForeignStepper) -> bool:
 def verify_family(runner: IsolatedRunner, method: Method | FurtherMethod | Boris) -> Report:
     """The report of `verify` for a method of a family. Raises ValueError if the stepper cannot be imported."""
     outcome = runner.outcome_of(partial(read_family, asked=method))
-    if outcome.kind == "bad_input":
+    if outcome.kind == BadInput.kind:
         raise ValueError(outcome.seen)
     name = runner.target.name
     if outcome.failed:

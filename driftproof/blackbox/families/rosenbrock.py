@@ -180,7 +180,7 @@ class RosenbrockIdentity(WithEstimate):
     reading: RosenbrockReading
     method: Rosenbrock | None
     told: str
-    near: str
+    near: tuple[str, ...]  # its key, and the entry
     root: str
     measured: MeasuredOrder
     w_order: int | None
@@ -214,11 +214,14 @@ class RosenbrockIdentity(WithEstimate):
         return found or [*filter(None, [slow])]
 
     @property
+    def _nearest(self) -> str:
+        return " except for ".join(self.near)
+
+    @property
     def verdict(self) -> str:
         """The verdict in one line."""
-        name = (
-            f"{self.method.key}{self.root}" if self.method is not None else self.near or "not a known Rosenbrock method"
-        )
+        unknown = self._nearest or "not a known Rosenbrock method"
+        name = f"{self.method.key}{self.root}" if self.method is not None else unknown
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
         powers = len(self.reading.weights)
         partly = self.method is not None and powers < self.method.stages
@@ -244,7 +247,7 @@ class RosenbrockIdentity(WithEstimate):
             named = f"{self.method.key}: products of alpha and b with gamma up to its power {powers - 1}, to rounding"
         used = {"a function": "a function of its own", "differences": "differences of f"}.get(reading.by, "")
         clock = "f receives no time" if reading.nodes is None else f"df/dt is from {used}" if used else "no df/dt"
-        nearest = [f"nearest: {self.near}"] if self.near else []
+        nearest = [f"nearest: {self._nearest}"] if self.near else []
         return [named, *nearest, *self._table, clock]
 
     @property
@@ -288,8 +291,8 @@ class RosenbrockIdentity(WithEstimate):
             return [Criterion("Coefficients", False, (asked,), {})]
         same = not differences
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[: walks.DIFFERENCES_SHOWN]]
-        if self.near.startswith(f"{method.key} except for "):
-            shown.insert(1, self.near)
+        if method.key in self.near:
+            shown.insert(1, self._nearest)
         whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more
         told = "" if whole else f"a stepper of {method.stages} components, as many as there are stages"
         passed = same if whole or not same else None
@@ -310,7 +313,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     known = [*(m for m in FURTHER_METHODS.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     known = [root for each in known for root in _roots(each)]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
-    near = "" if found else next((f"{m.key} except for {x}" for m in known for x in _near(reading, m)), "")
+    near = () if found else next(((m.key, x) for m in known for x in _near(reading, m)), ())
     measured, with_half = (
         walks.measured_of_two(subject, kind, _HALVINGS, walks.DIFFERENCES * reading.slack)
         for kind in (walks.WithJacobian, walks.WithHalfJacobian)

@@ -181,7 +181,7 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
 _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
-_NOT_BACK = "it does not run backwards: h < 0 does nothing, the state is returned unchanged"
+NOT_BACK = "it does not run backwards: h < 0 does nothing, the state is returned unchanged"
 
 
 def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
@@ -205,14 +205,14 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
         return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
     if subject.single:
         still = subject.step_field(lambda t, y: [1.0], 0.0, [1.0], -_STEPS_BACK[0]) == [1.0]
-        return Remarked(None, _NOT_BACK) if still else StepFinding(True, "")
+        return Remarked(None, NOT_BACK) if still else StepFinding(True, "")
     tolerance, (states, steps) = Tolerance.of(wanted, subject.format, KICKS), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
             return StepFinding(None, f"h < 0 is refused: {example.misbehaved}")
         if example.answer == (q, v) != subject.step(q, v, h):  # without a force, a state at rest stays there
-            return Remarked(None, _NOT_BACK)
+            return Remarked(None, NOT_BACK)
         if not example.allowed:
             example = _in_full(example, tolerance, subject)
             return StepFinding(False, f"a step with h < 0 is wrong: {example.words}", example.reproduction)

@@ -7,8 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain, pairwise, product
-from math import cos, hypot, log2
-from typing import Any, NamedTuple
+from math import ceil, cos, hypot, log2
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb, ctx
@@ -20,13 +20,13 @@ from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.matching.tables import Array, exact_tableau
-from driftproof.blackbox.probes.stage_solutions import step_by_iteration
+from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE, STEP, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import drifts
-from driftproof.blackbox.stepper.state_forms import BODIES, TOGETHER
+from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
@@ -41,18 +41,20 @@ _STEEP = 64
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
 _NEAR = 2.0**-18
 # Where methods are compared: at times, and at steps in units of the system's own time, long enough to tell methods of
-# one order apart, if slopes change by more than a part. Stages that contract by 3/4 settle in so many rounds.
-_TIMES, _COMPARED, _SEEN_BENT, _ROUNDS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 80
+# one order apart, if slopes change by more than a part. Stages should contract by 3/4 or better in each round.
+TIMES, COMPARED, SEEN_BENT, _CONTRACTS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 0.75
 
 
 # Systems with a shorter time are looked at again, as it may be that of a stiff spring.
 _FAST = 2.0**-8
 
-NO_SLOPES = "short steps show no slopes of it"
-
 
 class OwnSystem(Misbehaviour):
     """Its system is built in and is not q'' = -q: its steps do not show all of a method."""
+
+
+class NoSlopes(OwnSystem):
+    """Not even the slopes of its system are seen."""
 
 
 class AsOnOwnSystem(OwnSystem):
@@ -83,7 +85,7 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
         return None
     system = OwnSteps.of(*(found := seen_at(subject, domain)))
     if system is None and len(found[1][0]) > 2:
-        raise OwnSystem(f"its system of {len(found[1][0])} numbers is built in, and {NO_SLOPES}")
+        raise NoSlopes(f"its system of {len(found[1][0])} numbers is built in, and short steps show no slopes of it")
     return system
 
 
@@ -145,7 +147,7 @@ def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
 
     They are more than q and v if one array holds them, or if coordinates move each other.
     """
-    known = TOGETHER.get(subject.adapter.name, 0)
+    known = subject.adapter.together
     if STATE in subject.convention.order:
         return subject, max(2, known)
     for adapter, row in ((BODIES, 3),) * drifts(subject) + ((subject.adapter, known),):
@@ -154,7 +156,7 @@ def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
             with suppress(Misbehaviour):
                 y = [cos(i) for i in range(2 * size)]
                 starts = (y[0], y[0] / 2, y[0])
-                end, other, again = (np.array(several.step_state([x, *y[1:]], _COMPARED[0])) for x in starts)
+                end, other, again = (np.array(several.step_state([x, *y[1:]], COMPARED[0])) for x in starts)
                 moved = np.abs(end - other) > _ROUGH * np.abs(end)
                 if moved[[i for i in range(2 * size) if i % size]].any() and np.array_equal(end, again):
                     return several, 2 * size
@@ -191,7 +193,7 @@ class OwnSteps:
     @property
     def times(self) -> Sequence[float]:
         """The times at which steps are compared."""
-        return _TIMES
+        return TIMES
 
     @property
     def size(self) -> int:
@@ -257,7 +259,7 @@ class OwnSteps:
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
-            later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in _TIMES[::-1])
+            later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in TIMES[::-1])
         except (Misbehaviour, ArithmeticError):
             return "another one"
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
@@ -291,7 +293,7 @@ class OwnSteps:
         """
         method, found, why, bent = of_one_state(wanted.method), list[float](), "", 0.0
         allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-        for t, share, y in product(self.times, _COMPARED, self.states):
+        for t, share, y in product(self.times, COMPARED, self.states):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
                 seen, told = tuple(self.end(t, y, h)), self.step(method, t, y, h)
@@ -302,8 +304,8 @@ class OwnSteps:
             found.append(self._apart(y, seen, told))
             bent = max(bent, h * self._apart(y, *slopes))
             if not found[-1] <= allowed:
-                return found[-1], f"a step of {h:g} from {_ends(y, seen, method, told)}"
-        if bent < _SEEN_BENT:
+                return found[-1], f"a step of {h:g} from {ends_in_words(y, seen, method, told)}"
+        if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
         return max(found), ""
 
@@ -337,26 +339,41 @@ class OwnSteps:
                 z = [*y[:half], *(x * c for x, c in zip(y[half:], rates, strict=True))]
                 end = [float(x) for x in own_step(method, replace(self.problem, rate=rate), t, z, h)]
             return [*end[:half], *(x / c for x, c in zip(end[half:], rates, strict=True))]
-        a, b, c = (np.array(part, dtype=float).tolist() for part in exact_tableau(method))
-        places = lambda i, place, _: self.slopes(t + c[i] * h, place)
-        end, done = step_by_iteration([a], [b], places, y, h, _ROUNDS, _settled)
-        if not done:
-            raise ArithmeticError(f"the stages of {method.key} do not settle")
-        return [float(x) for x in end]
+        return table_step(method, self.slopes, t, y, h, _ERROR)
 
 
-def _ends(y: Sequence[float], seen: Sequence[float], method: Method, told: Sequence[float]) -> str:
+def table_step(
+    method: RungeKutta | Collocation,
+    slopes: Callable[[float, Sequence[float]], Sequence[float]],
+    t: float,
+    y: Sequence[float],
+    h: float,
+    error: float,
+) -> list[float]:
+    """The step of a table in floats: explicit stages in turn, others by iteration until slopes change by this part.
+
+    Raises ArithmeticError if they do not settle.
+    """
+    a, b, c = (np.array(part, dtype=float).tolist() for part in exact_tableau(method))
+    if method.explicit:
+        found = list[Sequence[float]]()
+        for node, row in zip(c, a, strict=True):
+            found.append(slopes(t + node * h, advanced(y, h, [row], [found])))
+        return [float(x) for x in advanced(y, h, [b], [found])]
+    settled = lambda new, old: bool(np.abs(np.subtract(new, old)).max() <= error * np.abs(new).max())
+    rounds = ceil(log2(error) / log2(_CONTRACTS))
+    end, done = step_by_iteration([a], [b], lambda i, z, _: slopes(t + c[i] * h, z), y, h, rounds, settled)
+    if not done:
+        raise ArithmeticError(f"the stages of {method.key} do not settle")
+    return [float(x) for x in end]
+
+
+def ends_in_words(y: Sequence[float], seen: Sequence[float], method: Method, told: Sequence[float]) -> str:
     """The ends of a step from y and of that of a method, in words: of many numbers, those that differ most."""
     if len(y) <= 3:
         return f"{y} ends in {seen}, where {method.key} ends in {tuple(told)}"
     worst = max(range(len(y)), key=lambda i: abs(seen[i] - told[i]))
     return f"({y[0]:g}, {y[1]:g}, ...): number {worst} becomes {seen[worst]}, in {method.key} {told[worst]}"
-
-
-def _settled(slopes: Any, before: Any) -> bool:
-    """True if slopes change by no more than their own error."""
-    changes = np.abs(np.array(slopes) - np.array(before))
-    return bool(changes.max() <= _ERROR * np.abs(slopes).max())
 
 
 def _sum_text(factors: Sequence[float], names: Sequence[str], sizes: Sequence[float]) -> str:

@@ -34,21 +34,24 @@ from driftproof.blackbox.stepper.wrappers import turn_wrapper
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # By what the state is multiplied before each of the successive steps from each form of state.
-_NUDGES = (1.0, 1.0, NUDGE)
+NUDGES = (1.0, 1.0, NUDGE)
 _AGAIN = "one object overwritten between steps"
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
-def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding:
+def state_objects(
+    subject: ForeignStepper, wanted: Specification, tried: Callable[..., tuple[str, list[Any]]] | None = None
+) -> StepFinding:
     """Compare steps from the very object that the step before returned, and from other forms of state, with the method.
 
     The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
     the form is an array, a list or a tuple, the other two must be right as well, unless they are refused. A step may
     overwrite an argument with its answer, and with nothing else. A step of a force is also given bodies in space.
+    `tried` is how a few successive steps are looked at, if not on q'' = -q.
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
-    trial = partial(_tried, wanted=wanted)
+    trial = partial(tried or _tried, wanted=wanted)
     given = f"the state is given as {subject.adapter.name}{several}{back}"
     keeping = _ReusingAnswers(subject.function, subject.convention)
     wrong, own = trial(_changed(subject, function=keeping))
@@ -56,7 +59,7 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
     if wrong and (from_copies := trial(subject)[0]):
         if trial(subject)[0] != from_copies:
             return StepFinding(None, f"{given}: the same steps, taken again, end elsewhere")
-        if not trial(subject, nudges=_NUDGES[:-1])[0]:
+        if not trial(subject, nudges=NUDGES[:-1])[0]:
             return StepFinding(False, f"a step that begins in almost the state where one ended is wrong: {from_copies}")
         turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
@@ -129,7 +132,7 @@ class _SmallWalker(Walker):
 
 
 def _tried(
-    subject: ForeignStepper, wanted: Specification, nudges: Sequence[float] = _NUDGES
+    subject: ForeignStepper, wanted: Specification, nudges: Sequence[float] = NUDGES
 ) -> tuple[str, list[tuple[float, float]]]:
     """What is wrong with a few successive steps, "" if nothing is, and the answers on q'' = -q.
 

@@ -79,11 +79,15 @@ class ExactTable:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A method, or the variant of it that `relation` names, with the table that an exact reading of it has."""
+    """A method, or the variant of it that `relation` names, with the table that an exact reading of it has.
+
+    `steps` is the number of the method's steps, of a part of h each, that it takes in one.
+    """
 
     key: str
     relation: str
     recipe: Recipe
+    steps: int = 1
 
     @cached_property
     def fingerprint(self) -> tables.Fingerprint:
@@ -162,8 +166,8 @@ def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit
         make = partial(tables.tableau_of, method)
         if isinstance(method, RungeKutta) and method.b_embedded is not None:
             yield Candidate(method.key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
-        for relation, change, by in _resized(candidate, calls, factor, tables.tableau_scaled, tables.tableau_repeated):
-            yield Candidate(method.key, relation, _in_field(_then(make, change, by), timed))
+        for name, change, by, n in _resized(candidate, calls, factor, tables.tableau_scaled, tables.tableau_repeated):
+            yield Candidate(method.key, name, _in_field(_then(make, change, by), timed), n)
     for key, relation, iterated in _iterations(calls, timed) if not implicit else ():
         yield Candidate(key, relation, _in_field(iterated, timed))
 
@@ -180,25 +184,25 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
                 if sum(kind == "kick" and x != 0 for kind, x in other.parts) == calls:
                     yield Candidate(splitting.key, relation, partial(tables.induced_by_parts, other.parts))
     for candidate in force_methods():
-        for relation, change, by in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
-            yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
+        for name, change, by, n in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
+            yield Candidate(candidate.key, name, _then(candidate.recipe, change, by), n)
     for key, relation, iterated in _iterations(calls, timed=False):
         yield Candidate(key, relation, _on_force(iterated))
 
 
 def _resized(
     candidate: Candidate, calls: int, factor: Fraction | None, scaled: _Change, repeated: _Change
-) -> Iterator[tuple[str, _Change, Fraction | int]]:
-    """Yield another step, and several steps in one, in which the last stage of one may be the first of the next."""
+) -> Iterator[tuple[str, _Change, Fraction | int, int]]:
+    """Yield another step, and several in one, of which the last stage of one may be the first of the next; how many."""
     stages = candidate.fingerprint.used
     if factor and stages == calls:
-        yield f"with the step {factor} h in place of h", scaled, factor
+        yield f"with the step {factor} h in place of h", scaled, factor, 1
     for times in range(2, MOST_REPEATED + 1):
         if times * stages - calls in range(times):
-            yield f"{times} steps of h/{times}", repeated, times
+            yield f"{times} steps of h/{times}", repeated, times, times
             if factor == times:
                 whole = lambda table, by: scaled(repeated(table, by), Fraction(by))
-                yield f"{times} steps of h each instead of h/{times}", whole, times
+                yield f"{times} steps of h each instead of h/{times}", whole, times, 1
 
 
 def _in_field(make: Callable[[FromExact], LiftedTableau], timed: bool) -> Recipe:

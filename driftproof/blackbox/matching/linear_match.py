@@ -69,6 +69,7 @@ class LinearFit:
     facts: MatrixFacts | None = None
     nearly: Nearest | None = None
     remarks: tuple[str, ...] = ()
+    limited: bool = False
 
     @property
     def best(self) -> linear_candidates.LinearCandidate | None:
@@ -91,8 +92,7 @@ class LinearFit:
         """
         if self.best is not None:
             return self.doubts > 1
-        limited = any(remark.startswith(linear.FAR_OUT) for remark in self.remarks)
-        return limited or self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
+        return self.limited or self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -119,7 +119,8 @@ def linear_fit(subject: ForeignStepper) -> LinearFit:
 
 def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
     """Explain a reading; if `known`, the system is the oscillator q' = v, v' = -q."""
-    start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
+    kind, remarks, limited = reading.kind, reading.remarks, reading.limited
+    start = LinearFit(kind, reading.amplitude, reading.format.name, remarks=remarks, limited=limited)
     if reading.at_zero is None:  # otherwise some steps were read as well
         why = "no tiny step shows a rate: steps do not shrink with h, are noise, or are long in the system's own time"
         return replace(start, kind=UNDETERMINED, remarks=(why, *reading.remarks)) if reading.identifiable else start

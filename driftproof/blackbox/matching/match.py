@@ -39,7 +39,7 @@ class Match:
     to the size of its own terms, or, if `summed`, to the largest number in its column; `farthest` names the coefficient
     that is farthest off. `beside` lists differences in calls whose answers the step does not use, such as those of an
     error estimate. `within` is how far the coefficients are off if a solver of implicit stages leaves more than
-    rounding, else 0.
+    rounding, else 0. `steps` is the number of steps of parts of h.
     """
 
     key: str
@@ -49,6 +49,7 @@ class Match:
     summed: bool
     beside: tuple[str, ...]
     within: float
+    steps: int = 1
 
     @property
     def name(self) -> str:
@@ -178,7 +179,8 @@ def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
     roundings = distance.of_column if summed else distance.of_terms
     within = float(roundings * read.rounding.format.u) if unsolved and roundings > read.rounding.most else 0.0
     beside = _differences(read, read.raw, candidate.raw) if order == tuple(range(len(order))) else ()
-    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, tuple(beside or ()), within)
+    off = roundings, distance.farthest, summed, tuple(beside or ()), within
+    yield Match(candidate.key, candidate.relation, *off, candidate.steps)
 
 
 def _best(matches: Iterable[Match]) -> tuple[Match, ...]:

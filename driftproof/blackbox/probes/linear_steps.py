@@ -16,7 +16,6 @@ MatrixEntries: TypeAlias = tuple[float, float, float, float]
 # The kinds of a reading.
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
 NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
-FAR_OUT = "not linear far out"
 # A generic state and step size: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
 # Step sizes at states of size 1, in units of the system's own time.
@@ -48,7 +47,8 @@ class LinearReading:
     `kind` is LINEAR, LINEARISED (read at states of size `amplitude`), or what stands in the way. `at_zero` is
     M(0) + h A at the step `tiny`, where A is known to O(h²) in the entries that vanish in M(0); it is None if tiny
     steps show only noise. `unit` is a power of two near the system's own time. `ordinary` are pairs (h, M(h)) read at
-    states of size 1, where the step is off linearity by `loose`. `remarks` are for people.
+    states of size 1, where the step is off linearity by `loose`. `remarks` are for people; `limited` is True if one
+    is of a limit on the size of states.
     """
 
     format: FloatFormat
@@ -61,6 +61,7 @@ class LinearReading:
     ordinary: tuple[tuple[float, MatrixEntries], ...] = ()
     loose: float = 0.0
     remarks: tuple[str, ...] = ()
+    limited: bool = False
 
     @property
     def starts_at_identity(self) -> bool:
@@ -96,7 +97,7 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
     reading = _at_amplitude(subject, LinearReading(fmt, LINEAR, amplitude))
     seen = _nonlinearity(subject, reading, 1.0)
     if seen is None:
-        return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
+        return _with_steps(subject, _far_out(subject, reading))
     words, off = seen
     tiny = _linearised(subject, fmt, reading.starts_at_identity)
     if tiny is not None:
@@ -224,15 +225,15 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
     return None
 
 
-def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
-    """A remark on a limit on the size of states, if one is seen."""
+def _far_out(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
+    """The reading, with a remark on a limit on the size of states if one is seen."""
     try:
         seen, _ = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2)) or ("", 0.0)
     except Misbehaviour as failure:
         seen = str(failure)
     except NoAnswer as hang:
-        return (f"not seen far out: {hang}",)
-    return (f"{FAR_OUT}: {seen}",) if seen else ()
+        return replace(reading, remarks=(f"not seen far out: {hang}",))
+    return replace(reading, remarks=(f"not linear far out: {seen}",), limited=True) if seen else reading
 
 
 def _with_steps(subject: ForeignStepper, reading: LinearReading, coarse: bool = False) -> LinearReading:

@@ -9,7 +9,7 @@ from math import fsum, prod
 from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, first_taken
-from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, result_of
+from driftproof.blackbox.probes.scripted_answers import ADAPTIVE, Listener, NotReadable, result_of
 from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -149,7 +149,8 @@ class MarkedSteps:
             hands = {p: dict(enumerate(_distinct(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
             marks = replace(marks, hands=(*marks.hands, hands))
         if len(marks.labels) > _MOST_LABELS:
-            raise NotReadable(f"its right-hand side is called at {len(marks.labels)} stages: it is adaptive")
+            many = f"its right-hand side is called at {len(marks.labels)} stages"
+            raise NotReadable(f"{many}: it is adaptive", ADAPTIVE)
         return marks
 
     def run(
@@ -190,7 +191,7 @@ class MarkedSteps:
             step = self._beside_idle if idle else self.step
             y1 = result_of(lambda: step(rate, clock, [start] * (size or self.size), h))
         except _UnknownNode as seen:
-            raise NotReadable(str(seen)) from None
+            raise NotReadable(str(seen), ADAPTIVE) from None
         except Misbehaviour as failure:
             raise NotReadable(f"with its stages marked, {failure}") from failure
         return MarkedRun([node for node, _ in heard.calls], [y for _, y in heard.calls], y1)

@@ -14,7 +14,6 @@ from driftproof.blackbox.probes.scripted_answers import REMEMBERS, NotReadable, 
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import TOGETHER
 
 _OF_ONE = "one number shows the stability function only; a step that takes an array of them shows its stages"
 CoefficientReading: TypeAlias = TableauReading | ForceReading
@@ -57,9 +56,10 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
         try:
             reading = read_implicit_forces(subject)
         except NotReadable as second:
-            if str(refusal).endswith(REMEMBERS):
+            if REMEMBERS in refusal.traits:
                 raise refusal from None
-            raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
+            both = f"{refusal}; as one with implicit stages: {second}"
+            raise NotReadable(both, *refusal.traits, *second.traits) from None
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 
 
@@ -80,7 +80,7 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
 
 def _require_inertia(subject: ForeignStepper) -> None:
     """Raise NotReadable unless each component of a vector keeps its velocity without a force: probes see only one."""
-    numbers = TOGETHER.get(subject.adapter.name, 0)
+    numbers = subject.adapter.together
     allowed = Rounding(subject.format, numbers).of(1.0)
     for i in range(numbers):
         v = unit(numbers, i)
@@ -99,4 +99,6 @@ def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> 
             raise refusal from None
         with suppress(NotReadable, Misbehaviour, UnsupportedCall):  # of a step of one number
             return replace(read_forces(subject), refused=str(refusal))
-        raise NotReadable(f"{refusal}; as one with implicit stages: {_OF_ONE if subject.single else second}") from None
+        other = NotReadable(_OF_ONE) if subject.single else second
+        both = f"{refusal}; as one with implicit stages: {other}"
+        raise NotReadable(both, *refusal.traits, *other.traits) from None

@@ -19,14 +19,18 @@ BELOW_LIMITS = (2.0**-5, 2.0**-10)
 _FAR = 2.0**-10
 # More calls in one step than any method in use makes: it iterates, or is adaptive.
 MOST_CALLS = 200
-# How the refusal of a step that, taken again, is another one ends.
-REMEMBERS = "it remembers the previous step, or is random"
+# What a step without readable coefficients may be: of a size of its own; another one each time; moved without slopes.
+ADAPTIVE, REMEMBERS, MOVES = "adaptive", "remembers", "moves"
 
 
 class NotReadable(ValueError):
-    """No coefficients of the step could be read; the message says what was seen instead."""
+    """No coefficients of the step could be read; the message says what was seen, `traits` what the step may be."""
 
     kind = "not_readable"
+
+    def __init__(self, seen: str, *traits: str) -> None:
+        super().__init__(seen)
+        self.traits = traits
 
 
 class FarFromPrediction(NotReadable):
@@ -93,9 +97,8 @@ def remarks_of(control: Callable[[], object]) -> tuple[str, ...]:
 def require_calls(expected: int, seen: int) -> None:
     """Raise NotReadable if the number of calls is another one than with other answers."""
     if seen != expected:
-        raise NotReadable(
-            f"the number of calls depends on the answers: {expected}, then {seen}: the step is adaptive or iterative"
-        )
+        differ = f"the number of calls depends on the answers: {expected}, then {seen}"
+        raise NotReadable(f"{differ}: the step is adaptive or iterative", ADAPTIVE)
 
 
 def require_same(rounding: Rounding, first: Sequence[float], second: Sequence[float]) -> None:
@@ -103,7 +106,7 @@ def require_same(rounding: Rounding, first: Sequence[float], second: Sequence[fl
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
         seen = f"the same step of {counted(rounding.calls, 'call')} taken twice is not the same"
-        raise NotReadable(f"{seen}: {REMEMBERS}")
+        raise NotReadable(f"{seen}: it remembers the previous step, or is random", REMEMBERS)
 
 
 def unit(size: int, place: int) -> list[float]:

@@ -168,9 +168,8 @@ class TableauProbe:
         scripted.require_same(self.rounding, self.silent.numbers, self.run(self.size, [], scripted.AT_REST).numbers)
         for number in chain(*self.silent.places, self.silent.result):
             if number:
-                raise scripted.NotReadable(
-                    f"with all slopes 0, y = 0 does not stay 0: the step goes through {number:.6g}"
-                )
+                through = f"the step goes through {number:.6g}"
+                raise scripted.NotReadable(f"with all slopes 0, y = 0 does not stay 0: {through}", scripted.MOVES)
 
     def reading(self) -> TableauReading:
         """The coefficients, after all controls."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -22,7 +22,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
 # The error estimate of a step of size h from the slopes k of its stages.
-_Estimate: TypeAlias = Callable[[Sequence[float], float], float]
+_OfSlopes: TypeAlias = Callable[[Sequence[float], float], float]
 # The slope of a run as a function of t.
 _Slope: TypeAlias = Callable[[float], float]
 # The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
@@ -45,8 +45,6 @@ _LEAST_SAFETY = 0.5
 _MOST_ACCEPTED = 10.0
 # Two tolerances; a step size follows them as if the order of the estimate were less by more than this only if it is.
 _TWO, _LESS = (1e-5, 1e-7), 1.5
-# Of an estimate that is divided by h (burden-faires, section 5.5).
-_PER_UNIT = "per unit of time"
 # As many factors have codes that halve and double their steps; chosen with room.
 _FEW = 5
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
@@ -115,7 +113,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
     points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
-    laws = filter(None, (fitted_law(name, list(points(name, estimate))) for name, estimate in estimates))
+    laws = filter(None, (fitted_law(each.name, list(points(each))) for each in estimates))
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
         pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
@@ -128,14 +126,14 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    elsewhere = _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol, slope)
-    others = chain(_accepted_beyond(law), elsewhere)
-    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)), _other_row(law, steps))
+    used = next(each for each in estimates if each.name == law.estimate)
+    others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, atol, slope))
+    faults = (*_wrong_exponent(law, used.order), *(traces or others))
+    return ControllerReading(law, lines, faults, _other_row(used.pair.key, steps))
 
 
-def _other_row(law: Law, steps: SolverSteps) -> str:
+def _other_row(key: str, steps: SolverSteps) -> str:
     """Say that the row is advanced that the catalogue does not propagate in the pair whose estimate is in a law."""
-    key = law.estimate.partition(" ")[0]
     pair, other = (METHODS[key.removesuffix(EMBEDDED_SUFFIX) + row] for row in ("", EMBEDDED_SUFFIX))
     if steps.pairs and key != other.key:
         return ""
@@ -157,7 +155,7 @@ def _elsewhere(
     """Say that most step sizes do not follow the law where slopes depend on y, as if a stage had another state."""
     rate: StageRate = lambda t, y: [slope(t) * (1 + y[0] * y[0])]
     run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
-    points = list(_points(rate, run, list(_attempts(run, steps)), atol, law.estimate, estimate))
+    points = list(_points(rate, run, list(_attempts(run, steps)), atol, estimate))
     words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
     if (factors := [p.factor for p in points]) and exceptions(points, law, min(factors), max(factors)) is None:
         yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
@@ -182,14 +180,11 @@ def _of_low_order(subject: ForeignSolver, steps: SolverSteps) -> Iterator[str]:
         yield f"{seen}: far more than an estimate O(h^{power}) needs, as if one of its coefficients were another"
 
 
-def _wrong_exponent(law: Law) -> Iterator[str]:
+def _wrong_exponent(law: Law, power: int) -> Iterator[str]:
     """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
-    method = METHODS.get(law.estimate.removesuffix(f" {_PER_UNIT}"))  # a blend has no order of its own
-    if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
-        power = (not law.estimate.endswith(_PER_UNIT)) + min(method.claimed_order, method.embedded_order)
-        if not is_close(float(law.exponent), 1 / power):
-            right = f"for an estimate O(h^{power}) it is 1/{power}"
-            yield f"the exponent of the step size control is {shown(law.exponent)}, {right}"
+    if power and not law.memory and not law.filtered and not is_close(float(law.exponent), 1 / power):
+        right = f"for an estimate O(h^{power}) it is 1/{power}"
+        yield f"the exponent of the step size control is {shown(law.exponent)}, {right}"
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
@@ -240,12 +235,23 @@ def _at(t: float, time: float, h: float) -> bool:
     return isclose(t, time, rel_tol=0.0, abs_tol=_SAME * h)
 
 
-def _estimates(pairs: Iterable[RungeKutta]) -> Iterator[tuple[str, _Estimate]]:
+class _Estimate(NamedTuple):
+    """An error estimate by the stages of a pair, O(h^order); a blend has no order of its own, which is 0."""
+
+    name: str
+    pair: RungeKutta
+    of: _OfSlopes
+    order: int = 0
+
+
+def _estimates(pairs: Sequence[RungeKutta]) -> Iterator[_Estimate]:
     """The error estimates of these pairs; DOP853 programs blend those of two."""
     rows = {pair.key: [*map(float, _row(pair))] for pair in pairs}
-    for key, row in rows.items():
-        yield key, partial(_weighed, row)
-        yield f"{key} {_PER_UNIT}", lambda k, h, row=row: _weighed(row, k, 1.0)  # type: ignore[misc]
+    for pair in pairs:
+        weighed, least = partial(_weighed, rows[pair.key]), min(pair.claimed_order, pair.embedded_order or 0)
+        yield _Estimate(pair.key, pair, weighed, least and least + 1)
+        per_unit: _OfSlopes = lambda k, h, weighed=weighed: weighed(k, 1.0)  # type: ignore[misc]
+        yield _Estimate(f"{pair.key} per unit of time", pair, per_unit, least)  # divided by h (burden-faires, 5.5)
     if {"dop853", "dop853_third"} <= set(rows):
         fifth, third = rows["dop853"], rows["dop853_third"]
 
@@ -253,7 +259,7 @@ def _estimates(pairs: Iterable[RungeKutta]) -> Iterator[tuple[str, _Estimate]]:
             a, b = (fsum(e * x for e, x in zip(row, k, strict=False)) for row in (fifth, third))
             return h * a * a / (a * a + 0.01 * b * b) ** 0.5 if a or b else 0.0
 
-        yield "dop853 blended with dop853_third", blended
+        yield _Estimate("dop853 blended with dop853_third", next(p for p in pairs if p.key == "dop853"), blended)
 
 
 def _weighed(row: Sequence[float], slopes: Sequence[float], h: float) -> float:
@@ -274,17 +280,16 @@ def _is_silent(pair: RungeKutta) -> bool:
 
 
 def _points(
-    rate: StageRate, run: Solution, attempts: Sequence[Attempt], atol: float, name: str, estimate: _Estimate
+    rate: StageRate, run: Solution, attempts: Sequence[Attempt], atol: float, estimate: _Estimate
 ) -> Iterator[LawPoint]:
     """The attempts whose error is known and not 0, and whose factor is known, by the stages of the pair."""
-    pair, states = METHODS[name.partition(" ")[0]], dict(zip(run.t, run.y, strict=True))
-    assert isinstance(pair, RungeKutta)
+    pair, states = estimate.pair, dict(zip(run.t, run.y, strict=True))
     a, c = [[*map(float, row)] for row in pair.a], [*map(float, pair.c)]
     before, length = log(FORGOTTEN), attempts[0].h  # the first error remembered is the code's own
     longest = max(each.h for each in attempts)
     for each in attempts:
         times = [each.start + x * each.h for x in c]
-        r = estimate([k for (k,) in stage_slopes(a, c, rate, each.start, each.h, states[each.start])], each.h) / atol
+        r = estimate.of([k for (k,) in stage_slopes(a, c, rate, each.start, each.h, states[each.start])], each.h) / atol
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
             growth, later = log(each.h / length), each.factor * each.h

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepRaised, WrongShape
+from driftproof.blackbox.findings import INSTRUMENT_FAILED, NO_EVIDENCE, BadInput, Outcome, StepRaised, WrongShape
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -18,6 +18,7 @@ from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps, unlike
+from driftproof.blackbox.solvers.tolerance_runs import RunLines
 from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of, subject_of
@@ -30,8 +31,7 @@ _WHAT_TO_DO = {
     WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
-# The remark of a verdict; and how the line begins on what a fault of ours left unmeasured.
-_REMARK, _LOST = "; remark: {}", "not measured"
+_REMARK = "; remark: {}"  # of a verdict
 
 
 def identify_solver(
@@ -68,16 +68,18 @@ def identify_solver(
         wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
     steps, controller, runs = runner.run([_steps, _controlled, read_runs])
-    if steps.kind == "bad_input":
+    if steps.kind == BadInput.kind:
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
-    faults, remarks = _faults(steps, controller, runs)
+    own, lost, remarks = _faults(steps, controller, runs)
+    named, faults = _named(steps, controller, runs), [*own, *lost]
+    said = "; ".join([named, *faults]) + "".join(map(_REMARK.format, remarks))
     report = Report(
         runner.target.name,
-        _verdict(steps, controller, runs),
+        named if steps.failed and runs.failed else said,
         None,
-        _sections(steps, controller, runs),
+        _sections(steps, controller, runs, faults, remarks),
         {
             "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
@@ -87,6 +89,8 @@ def identify_solver(
             "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
         },
     )
+    if wanted is not None and steps.failed and own:  # one with faults of its own fails, whatever it advances
+        return replace(report, verdict="; ".join([*faults, named]), passed=False)
     unread = steps.kind == NotReadable.kind and report.answered is not False and not faults
     if unread and isinstance(wanted, RungeKutta) and wanted.explicit:
         apart = runner.outcome_of(partial(unlike, method=wanted)).result
@@ -104,12 +108,8 @@ def _held(
 ) -> Report:
     """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
 
-    One with faults of its own fails, whatever it advances; one whose runs gave no evidence is undecided.
+    One whose runs gave no evidence is undecided.
     """
-    own = [fault for fault in faults if not fault.startswith(_LOST)]
-    if steps is None and own:
-        verdict = "; ".join([*faults, report.verdict.partition(f"; {faults[0]}")[0]])
-        return replace(report, verdict=verdict, passed=False)
     if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
         passed = False if report.answered is False else None
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
@@ -144,31 +144,33 @@ def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
 def _order(steps: SolverSteps | SolverMemory, runs: Outcome) -> int | None:
     """The order of the tableau or the recurrence; of a step of another length than its times, the order observed."""
     order = steps.order if isinstance(steps, SolverMemory) else steps.order.order
-    lines = [] if order != 0 or runs.failed else runs.result.seen.get("Tolerance", ())
-    return min((round(float(line.partition(", order ")[2])) for line in lines if ", order " in line), default=order)
+    observed = () if order != 0 or runs.failed else runs.result.answers.get("Tolerance", RunLines()).orders
+    return min(map(round, observed), default=order)
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
     return read_controller(subject, read_steps(subject))
 
 
-def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str]]:
-    """The faults, first those of the step size control, which may be the cause of steps that differ; and the remarks.
+def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str], list[str]]:
+    """The faults of the solver, what a fault of ours left unmeasured, and the remarks.
 
-    What it does where f is NaN, and which row of a pair it advances, is no fault of a method's steps.
+    The faults of the step size control, which may be the cause of steps that differ, come first. What it does where f
+    is NaN, and which row of a pair it advances, is no fault of a method's steps.
     """
     found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
-    lost = [f"{_LOST}: {each.seen}" for each in (steps, controller, runs) if each.kind == "instrument_failed"]
-    all_of = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless, *lost]
-    beside = [each for each in all_of if each.startswith("where f ")]
+    lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == INSTRUMENT_FAILED]
+    faults = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless]
+    beside = () if runs.failed else runs.result.answers.get("NaN", RunLines()).beside
     rows = [controller.result.remark] if controller.result and controller.result.remark else []
     unseen = () if runs.failed else runs.result.remarks
-    return [each for each in all_of if each not in beside], [*rows, *beside, *unseen]
+    return [each for each in faults if each not in beside], lost, [*rows, *beside, *unseen]
 
 
-def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
+def _named(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
+    """What it advances, and the law of its step sizes; or why nothing of that is known."""
     if steps.failed and runs.failed:
         word = UNDECIDED if steps.kind in NO_EVIDENCE else NO_ANSWER
         return f"{word}: {steps.seen}"
@@ -185,21 +187,19 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     measured = ""
     if control is not None and (control.law or not control.faults):
         measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
-    faults, remarks = _faults(steps, controller, runs)
-    return "; ".join([name + measured, *faults]) + "".join(map(_REMARK.format, remarks))
+    return name + measured
 
 
 def _implicit(runs: Outcome) -> str:
-    """The lines on an implicit solver, whose steps have no explicit tableau; "" for an explicit one."""
-    lines = () if runs.failed else runs.result.seen.get("Stiffness", ())
-    return "".join(f"; {line}" for line in lines if line.startswith("it solves"))
+    """The line on an implicit solver, whose steps have no explicit tableau; "" for an explicit one."""
+    line = "" if runs.failed else runs.result.answers.get("Stiffness", RunLines()).implicit
+    return line and f"; {line}"
 
 
-def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
+def _sections(steps: Outcome, controller: Outcome, runs: Outcome, faults: Sequence[str], remarks: Sequence[str]) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
     unread = steps.kind == NotReadable.kind
-    faults, remarks = _faults(steps, controller, runs)
     unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
         ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),

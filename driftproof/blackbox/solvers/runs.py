@@ -44,33 +44,39 @@ _NUMBERS = 5
 
 @dataclass(frozen=True)
 class RunsReading:
-    """What was seen in these runs, by subject, and the faults; all of it is measured on the runs named.
+    """What was seen in these runs, by subject; all of it is measured on the runs named.
 
     The `remarks` name the subjects of which nothing was seen, as of runs that would take too many calls.
     """
 
-    seen: dict[str, tuple[str, ...]]
-    faults: tuple[str, ...]
+    answers: dict[str, RunLines]
     remarks: tuple[str, ...] = ()
+
+    @property
+    def seen(self) -> dict[str, tuple[str, ...]]:
+        """The lines by subject."""
+        return {title: (*answer.lines,) for title, answer in self.answers.items()}
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """The faults, also those that are none of the method's steps."""
+        return tuple(fault for each in self.answers.values() for fault in (*each.faults, *each.beside))
 
 
 def read_runs(subject: ForeignSolver) -> RunsReading:
     """Make the runs one after the other; a run that fails is reported and does not stop the others."""
-    seen: dict[str, tuple[str, ...]] = {}
-    faults, remarks = list[str](), list[str]()
+    found, remarks = dict[str, RunLines](), list[str]()
     for title, question in _QUESTIONS.items():
         try:
-            lines, wrong = question(subject)
+            found[title] = question(subject)
         except NoAnswer as hang:
-            lines, wrong = [f"not seen: {hang}"], []
-            remarks.append(f"{title.lower()} {lines[0]}")
+            found[title] = RunLines([f"not seen: {hang}"])
+            remarks.append(f"{title.lower()} not seen: {hang}")
         except Misbehaviour as failure:
-            lines, wrong = [], [f"{title.lower()}: {failure.word}: {failure}"]
-        seen[title] = tuple(lines)
-        faults += wrong
-        if any("cannot integrate" in words for words in wrong):  # other runs would show nothing else
+            found[title] = RunLines(faults=[f"{title.lower()}: {failure.word}: {failure}"])
+        if found[title].final:
             break
-    return RunsReading(seen, tuple(faults), tuple(remarks))
+    return RunsReading(found, tuple(remarks))
 
 
 def _constant_slopes(subject: ForeignSolver) -> RunLines:
@@ -93,16 +99,16 @@ def _constant_slopes(subject: ForeignSolver) -> RunLines:
         if not isclose(last, end, abs_tol=GROSS * (1 + abs(end))):
             faults.append(f"{name} ends at u = {last:.9g} instead of {end:.9g}")
         lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(last - end):.2g}")
-    return lines, faults
+    return RunLines(lines, faults, final=len(lines) < 2)  # where one is not integrated, no other run shows more
 
 
 def _clock(subject: ForeignSolver) -> RunLines:
     """Check where the last step ends and which time is kept, also with a step size that does not divide the span."""
     run = _of_time(subject, SPAN)
-    lines, faults = _timed(run, SPAN)
-    if subject.takes != LENGTH or faults:
-        return lines, faults
-    exact = _is_parabola(run)
+    timed = _timed(run, SPAN)
+    if subject.takes != LENGTH or timed.faults:
+        return timed
+    lines, faults, exact = [*timed.lines], list[str](), _is_parabola(run)
     for (start, end), h in _NOT_DIVIDED:
         words = f"with h = {h:g} from {start:g} to {end:g}"
         try:
@@ -110,13 +116,13 @@ def _clock(subject: ForeignSolver) -> RunLines:
         except Misbehaviour as failure:
             lines.append(f"{words} it gives no answer: {failure.word}")
             continue
-        _, wrong = _timed(run, (start, end))
+        wrong = _timed(run, (start, end)).faults
         seen, other = _lengths(run, h, (end - start) / h)
         lines.append(f"{words} it makes {seen}")
         if exact and not wrong and not _is_parabola(run):
             wrong = ["the last step is not of its method: y' = t is solved exactly only if h divides the span"]
         faults = faults or [f"{words}, {fault}" for fault in (wrong or other)]
-    return lines, faults
+    return RunLines(lines, faults)
 
 
 def _of_time(subject: ForeignSolver, span: tuple[float, float], steps: float = USUAL) -> Solution:
@@ -148,7 +154,7 @@ def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
     """Say where the last step ends, whether there is one too many, and in which format time is kept."""
     (start, end), t = span, run.t
     if len(t) < 2:
-        return [], ["where y' = 1 it makes no step"]
+        return RunLines(faults=["where y' = 1 it makes no step"])
     lines, length = list[str](), end - start
     faults = ["its times do not increase"] * any(b <= a for a, b in pairwise(t))
     off, beyond = t[-1] - end, max(call.t for call in run.calls) - end
@@ -174,7 +180,7 @@ def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
         faults.append(f"the time that it integrates over and the time that it returns differ by {drift:.3g}")
     if beyond > 2.0**-50 * abs(end) and off <= 0:
         lines.append(f"f is called up to {beyond:.3g} beyond the end")
-    return lines, faults
+    return RunLines(lines, faults)
 
 
 def _accumulated(times: Sequence[float], span: tuple[float, float]) -> str:
@@ -193,16 +199,17 @@ def _backward(subject: ForeignSolver) -> RunLines:
     try:
         run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), RTOL, ATOL)
     except Misbehaviour as failure:
-        return [f"backward in time it gives no answer: {failure.word}"], []
+        return RunLines([f"backward in time it gives no answer: {failure.word}"])
     if run.complaint:
-        return [f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
+        return RunLines([f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"])
     (last,) = run.y[-1]
     if (run.t[-1], last) == (1.0, 1.0):
-        return ["it does not run backward in time: it makes no step, and does not say so"], []
+        return RunLines(["it does not run backward in time: it makes no step, and does not say so"])
     off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=GROSS):
-        return ["it integrates backward in time"], []
-    return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, without saying so"]
+        return RunLines(["it integrates backward in time"])
+    seen = f"it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, without saying so"
+    return RunLines(faults=[f"backward in time, from 1 to 0, {seen}"])
 
 
 def _numbers(subject: ForeignSolver) -> RunLines:
@@ -221,21 +228,21 @@ def _numbers(subject: ForeignSolver) -> RunLines:
     same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=SAME_TIME)
     steps, opposed, together, still = (len(t) - 1 for t in (first, *others))
     if not same(times[_NUMBERS]):
-        return [], ["the same run, made again after others, takes other steps: it remembers them"]
+        return RunLines(faults=["the same run, made again after others, takes other steps: it remembers them"])
     if not same(negative):
         seen = f"with a bump in y[0] it takes {steps} steps, with its negative {len(negative) - 1}"
-        return [], [f"the step sizes depend on the signs of the numbers: {seen}"]
+        return RunLines(faults=[f"the step sizes depend on the signs of the numbers: {seen}"])
     if 2 * opposed < steps:  # far fewer: by other orders it may make some
         seen = f"with opposite bumps in y[0] and y[1] it takes {opposed} steps, with one of them {steps}"
-        return [], [f"errors of opposite signs cancel in its error norm: {seen}"]
+        return RunLines(faults=[f"errors of opposite signs cancel in its error norm: {seen}"])
     if together > _NUMBERS * steps or steps <= still < together:
         seen = f"with a bump in one of {_NUMBERS} components it takes {steps} steps, in all of them"
-        return [], [f"an error counts only if other components have errors as well: {seen} {together}"]
+        return RunLines(faults=[f"an error counts only if other components have errors as well: {seen} {together}"])
     for place, found in enumerate(times[:_NUMBERS]):
         if not same(found):
             seen = f"with a bump in y[{place}] it takes {len(found) - 1} steps, with one in y[0] {steps}"
-            return [], [f"the error norm does not treat all components alike: {seen}"]
-    return [f"a bump in any of {_NUMBERS} components gives the same {steps} steps"], []
+            return RunLines(faults=[f"the error norm does not treat all components alike: {seen}"])
+    return RunLines([f"a bump in any of {_NUMBERS} components gives the same {steps} steps"])
 
 
 def _nan(subject: ForeignSolver) -> RunLines:
@@ -244,14 +251,15 @@ def _nan(subject: ForeignSolver) -> RunLines:
     try:
         run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], SPAN, (1.0,), RTOL, ATOL)
     except DoesNotEnd as failure:
-        return [], [f"where f is NaN it has not ended: {failure}"]
+        return RunLines(beside=[f"where f is NaN it has not ended: {failure}"])
     except Misbehaviour as failure:
-        return [f"where f becomes NaN it reports that: {failure.word}"], []
+        return RunLines([f"where f becomes NaN it reports that: {failure.word}"])
     if run.complaint:
-        return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
+        return RunLines([f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"])
     if not all(isfinite(x) for x in run.y[-1]):
-        return ["where f becomes NaN it returns NaN"], []
-    return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, without saying so"]
+        return RunLines(["where f becomes NaN it returns NaN"])
+    seen = f"it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, without saying so"
+    return RunLines(beside=[f"where f becomes NaN {seen}"])
 
 
 def _jump(subject: ForeignSolver) -> RunLines:
@@ -260,23 +268,24 @@ def _jump(subject: ForeignSolver) -> RunLines:
     try:
         run = subject.solve(lambda n, t, y: [float(t > at)], SPAN, (0.0,), RTOL, ATOL)
     except DoesNotEnd as failure:
-        return [], [f"at a jump of f it has not ended: {failure}"]
+        return RunLines(faults=[f"at a jump of f it has not ended: {failure}"])
     except Misbehaviour as failure:
-        return [f"at a jump of f it reports that: {failure.word}"], []
+        return RunLines([f"at a jump of f it reports that: {failure.word}"])
     (last,) = run.y[-1]
     off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
     if run.complaint:
-        return [*lines, f"it reports: {run.complaint}"], []
+        return RunLines([*lines, f"it reports: {run.complaint}"])
     if off > _OF_A_JUMP * RTOL and subject.adaptive:
-        return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {RTOL:g}: the jump is stepped over"]
+        over = f"it is off by {off:.3g} at rtol = {RTOL:g}: the jump is stepped over"
+        return RunLines(lines, [f"across a jump of f {over}"])
     shortest = min((b - a for a, b in pairwise(run.t[:-1])), default=0.0) * (1 + _TINY)
     for (a, b), (u,), (v,) in zip(pairwise(run.t), run.y, run.y[1:], strict=False):
         error = abs(v - u - (b - at)) / ((ATOL if subject.takes == TOLERANCES else RTOL) + RTOL * abs(v))
         if a <= at < b <= a + shortest and error > _OF_A_JUMP and subject.adaptive:
             most = f"the shortest step that it takes, of {b - a:.3g}, is off by {error:.2g} times the tolerance"
-            return lines, [f"across a jump of f {most}, without saying so"]
-    return lines, []
+            return RunLines(lines, [f"across a jump of f {most}, without saying so"])
+    return RunLines(lines)
 
 
 def _stiffness(subject: ForeignSolver) -> RunLines:
@@ -285,18 +294,20 @@ def _stiffness(subject: ForeignSolver) -> RunLines:
         slopes: RunSlopes = lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)]
         run = subject.solve(slopes, SPAN, (cos(SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
-        return [f"on y' = -1000 (y - cos t) - sin t it has not ended: {failure}"], []
+        return RunLines([f"on y' = -1000 (y - cos t) - sin t it has not ended: {failure}"])
     longest = _STIFF * max((b - a for a, b in pairwise(run.t)), default=0.0)
     (last,) = run.y[-1]
     off = abs(last - cos(run.t[-1]))
     lines = [f"on y' = -1000 (y - cos t) - sin t its longest step is {longest:.3g}/1000, off by {off:.2g} at the end"]
+    implicit = ""
     if longest > _EXPLICIT and off < _FOLLOWED:  # long steps alone may ignore the error
-        lines.append("it solves equations for its steps: no explicit method of up to 7 stages is stable like this")
+        implicit = "it solves equations for its steps: no explicit method of up to 7 stages is stable like this"
+        lines.append(implicit)
         # Asked of implicit solvers only: the last two stages of an explicit pair are as near, at one time.
         pairs = pairwise((call.t, *call.y) for call in run.calls)
         apart = sum(t == s and 0 < abs(u - v) < _NEARBY * (1 + abs(u)) for (t, u), (s, v) in pairs)
         lines += [f"it forms differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []
-    return lines, []
+    return RunLines(lines, implicit=implicit)
 
 
 _QUESTIONS = {

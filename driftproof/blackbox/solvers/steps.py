@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 from math import fsum, inf
 from typing import Any, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, once
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
 from driftproof.blackbox.matching.estimates import is_pair
@@ -112,7 +111,7 @@ class SolverSteps:
         return coefficient_text(x, self.reading.format, _ROUNDINGS * float(self.reading.format.u) * max(1.0, abs(x)))
 
 
-@lru_cache(maxsize=1)  # two questions about a solver begin with its steps
+@once  # two questions about a solver begin with its steps
 def read_steps(subject: ForeignSolver) -> SolverSteps:
     """Read the steps of a solver that returns the times of its steps. Raises NotReadable, saying what was seen."""
     marked = _Marked(subject)

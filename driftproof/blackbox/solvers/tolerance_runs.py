@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from math import exp, hypot, inf, log, log2, sin
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb
@@ -43,32 +44,46 @@ _FAR = 1e5
 GROSS = 2.0**-12
 # Rounding in estimates of high order moves steps by 1e-8; an error that counts less moves them by part of a step.
 SAME_TIME = 1e-6
-# What was seen, and the faults, in lines.
-RunLines: TypeAlias = tuple[list[str], list[str]]
+
+
+class RunLines(NamedTuple):
+    """What was seen and the faults, in lines; `beside` are faults that are none of the method's steps.
+
+    `orders` are those observed with more and more steps, `implicit` says that it solves for its steps. `final` is True
+    if further runs would show nothing else.
+    """
+
+    lines: Sequence[str] = ()
+    faults: Sequence[str] = ()
+    beside: Sequence[str] = ()
+    orders: Sequence[float] = ()
+    implicit: str = ""
+    final: bool = False
 
 
 def tolerance_effect(subject: ForeignSolver) -> RunLines:
     """Measure the effect of tolerances, and what errors are compared with, also where it takes too many calls."""
     grown = _of_growth(subject) if subject.adaptive else []
     try:
-        lines, faults = _on_known_problems(subject)
+        known = _on_known_problems(subject)
     except TooSlow as slow:
         if not grown:
             raise
-        return [f"not seen: {slow}"], grown
-    return lines, faults or grown
+        return RunLines([f"not seen: {slow}"], grown)
+    return known if known.faults else known._replace(faults=grown)
 
 
 def _on_known_problems(subject: ForeignSolver) -> RunLines:
     """Measure the effect of smaller tolerances or steps on two problems whose solutions are enclosed in balls."""
-    lines: list[str] = []
+    lines, orders = list[str](), list[float]()
     for words, problem, span in _KNOWN:
-        seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
-        lines += [f"{words}: {line}" for line in seen]
-        if faults:
-            told = any("is ignored" in fault or "without saying" in fault for fault in faults)
-            return lines, faults if told else [*faults, *_ignored(subject)]
-    return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
+        seen = (_requested if subject.adaptive else _shortened)(subject, problem, span)
+        lines += [f"{words}: {line}" for line in seen.lines]
+        orders += seen.orders
+        if seen.faults:
+            return RunLines(lines, [*seen.faults, *([] if seen.final else _ignored(subject))])
+    faults = [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
+    return RunLines(lines, faults, orders=orders)
 
 
 def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> RunLines:
@@ -81,9 +96,10 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
             raise
     least = _TOLERANCES[len(runs) - 1]
     if failed := next((run for run in runs if run.complaint), None):
-        return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
+        return RunLines([f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"])
     if early := next((run for run in runs if _ends_early(run, span)), None):
-        return [], [f"on {problem.words} it ends at t = {early.t[-1]:.6g} of {span}, without saying so"]
+        fault = f"on {problem.words} it ends at t = {early.t[-1]:.6g} of {span}, without saying so"
+        return RunLines(faults=[fault], final=True)
     errors = [_error(run, problem) for run in runs]
     lines = [
         f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
@@ -92,23 +108,23 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
     hidden = f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"
     if len({run.t for run in runs}) == 1:
         if _is_deaf(subject, problem, span, runs[0]):
-            return lines, ["rtol is ignored: the steps are the same at every tolerance"]
-        return [*lines, hidden], []
+            return RunLines(lines, ["rtol is ignored: the steps are the same at every tolerance"], final=True)
+        return RunLines([*lines, hidden])
     # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
     if max(errors[-1], floor) > max(errors[0] / 10, least) and errors[0] > 10 * floor:
         tiniest = _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST) if errors[0] < _TOLERANCES[0] else None
         if tiniest and not tiniest.complaint and 10 * _error(tiniest, problem) < errors[-1]:
-            return [*lines, hidden], []
-        return lines, [
-            f"a tolerance {_TOLERANCES[0] / least:.0f} times smaller does not make the error 10 times smaller"
-        ]
+            return RunLines([*lines, hidden])
+        smaller = f"{_TOLERANCES[0] / least:.0f} times smaller"
+        return RunLines(lines, [f"a tolerance {smaller} does not make the error 10 times smaller"])
     clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=False) if error > floor]
     if len(clear) > 1:
         (first, most), (last, smallest) = clear[0], clear[-1]
         lines.append(f"errors fall like rtol^{log(most / smallest) / log(first / last):.2f}")
     far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
-    return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
+    faults = [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
+    return RunLines(lines, faults)
 
 
 def _ends_early(run: Solution, span: tuple[float, float]) -> bool:
@@ -119,14 +135,14 @@ def _ends_early(run: Solution, span: tuple[float, float]) -> bool:
 
 def _shortened(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> RunLines:
     """The errors with more and more equal steps, if the solver takes their size or number."""
-    lines, before = [], 0.0
+    lines, orders, before = list[str](), list[float](), 0.0
     for steps in (64, 128, 256) if subject.takes != NOTHING else (64,):
         run = _solved(subject, problem, span, steps=steps)
         error = _error(run, problem)
-        order = f", order {log2(before / error):.2f}" if before > error > 0 else ""
-        lines.append(f"with {len(run.t) - 1} steps: error {error:.2g}{order}")
-        before = error
-    return lines, []
+        order = [log2(before / error)] if before > error > 0 else []
+        lines.append(f"with {len(run.t) - 1} steps: error {error:.2g}{''.join(f', order {x:.2f}' for x in order)}")
+        orders, before = orders + order, error
+    return RunLines(lines, orders=orders)
 
 
 def _ignored(subject: ForeignSolver) -> list[str]:

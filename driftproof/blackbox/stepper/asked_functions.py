@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from itertools import product
 from typing import Any
@@ -72,18 +72,11 @@ def _asked(
         return None
     taken = "{}" if plain else f"lambda *x: {{}}({', '.join(f'x[{i}]' for i in used)})"
 
-    def stepped(*arguments: Any) -> Any:
-        passed = {**inputs, **dict(zip(known, arguments, strict=True))}
-        given = passed[function]
-        passed[function] = given if plain else lambda *x: given(*[x[i] for i in used])
-        return step(*[passed[each] for each in names])
+    def passed(texts: Iterable[str]) -> dict[str, str]:
+        written = {each: repr(x) for each, x in inputs.items()} | dict(zip(known, texts, strict=True))
+        text = written[function]
+        return written | {function: taken.format(f"({text})" if "lambda" in text and not plain else text)}
 
-    def written(*texts: str) -> str:
-        passed = {each: repr(x) for each, x in inputs.items()} | dict(zip(known, texts, strict=True))
-        text = passed[function]
-        passed[function] = taken.format(f"({text})" if "lambda" in text and not plain else text)
-        return common.call_by_names(step, names, passed)
-
-    calling.stand_in(stepped, step, [*known.values()])
-    stepped.written, stepped.timed = written, "t" in given.values() or len(used) > 1  # type: ignore[attr-defined]
-    return stepped
+    made: Any = common.called_with(step, names, passed(known.values()), [*known.values()])
+    made.written = lambda *texts: common.call_by_names(step, names, passed(texts))
+    return made  # type: ignore[no-any-return]

@@ -16,7 +16,6 @@ from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, Po
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
 from driftproof.blackbox.stepper.records import clock_of, in_parts, part_pair, parts_of, run_parts
-from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
@@ -184,7 +183,7 @@ class ForeignCode:
     def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
         """The numbers in an answer, whose type is logged. Raises WrongShape or NotANumber."""
         self.log.types.add(type_of(answer))
-        if size_of(answer) % TOGETHER.get(self.adapter.name, 1):
+        if size_of(answer) % max(1, self.adapter.together):
             raise WrongShape(f"{size_of(answer)} numbers of a vector came out")
         return self.adapter.read(answer, size)
 

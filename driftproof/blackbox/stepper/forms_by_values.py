@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ class Numbers:
 
     They are known not by their names, but because a very short step returns them. What it takes besides, as a rate, is
     in `others`, 1 unless a system is given. A step of one number is tried on each of several. Each may be an array of
-    `cells` that move each other.
+    `cells` that move each other. Or the state is one array `whole`, which is complex if y holds it `by_parts`.
     """
 
     step: Callable[..., Any]
@@ -42,6 +41,8 @@ class Numbers:
     size: str
     times: tuple[str, ...]
     cells: int = 1
+    whole: bool = False
+    by_parts: bool = False
 
     @classmethod
     def of(cls, step: Callable[..., Any]) -> Numbers | None:
@@ -78,27 +79,41 @@ class Numbers:
         return self
 
     def _called(self, y: Foreign, t: float, h: float) -> Foreign:
-        given = dict(zip(self.names, y, strict=True)) | {**self.others}
-        return self.step(**given | {self.size: h} | dict.fromkeys(self.times, t))
+        beside = {self.size: h} | dict.fromkeys(self.times, t) | {**self.others}
+        if not self.whole:
+            return self.step(**dict(zip(self.names, y, strict=True)), **beside)
+        moved = as_complex(y) if self.by_parts else copy(y)
+        answer = self.step(**{self.names[0]: moved}, **beside)
+        end = moved if answer is None else answer
+        return as_reals(end) if self.by_parts else end
+
+    def _moved(self, y: Sequence[float], t: float, h: float) -> Foreign:
+        if self.whole:
+            return self._called(y, t, h)
+        if self.cells > 1:
+            rows: Any = np.reshape(y, (len(self.names), self.cells))
+            return np.ravel(self._called(rows, t, h)).astype(float)
+        if len(self.names) == 1:
+            return np.array([float(self._called([x], t, h)) for x in y])
+        return np.array(self._called([*y], t, h), dtype=float)
 
     @property
     def form(self) -> Callable[..., Any]:
-        """The step(y, h) of an array, with t before h if it takes a time."""
+        """The step(y, h) of an array, with t before h if it takes a time.
 
-        def moved(y: Sequence[float], t: float, h: float) -> Foreign:
-            if self.cells > 1:
-                rows: Any = np.reshape(y, (len(self.names), self.cells))
-                return np.ravel(self._called(rows, t, h)).astype(float)
-            if len(self.names) == 1:
-                return np.array([float(self._called([x], t, h)) for x in y])
-            return np.array(self._called([*y], t, h), dtype=float)
-
-        form = moved if self.times else lambda y, h: moved(y, 0.0, h)
-        of_others = lambda others: replace(self, others=others).form
-        found: Any = _read_as(form, self.step, self.names, self.others, of_others)
+        It has the names of its state, which reports use, and what makes it of other parameters or of another size.
+        """
+        step = self.step  # which the form itself holds, so that a copy has a copy of it
+        moved: Any = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
+        form: Any = moved if self.times else lambda y, h: moved(y, 0.0, h)
+        form.step, form.others, form.by_parts = self.step, self.others, self.by_parts
+        form.of_others = lambda others: replace(self, others=others).form
+        form.state_names = self.names if len(self.names) > 1 else tuple(f"{self.names[0]}[{i}]" for i in range(2))
+        read = {"the state": self.names, "the time": self.times, "the step size": [self.size]}
+        form.reading = calling.reading_of(read, self.step)
         if self.cells > 1:
-            found.of_size = lambda size: replace(self, cells=size // len(self.names)).form
-        return found  # type: ignore[no-any-return]
+            form.of_size = lambda size: replace(self, cells=size // len(self.names)).form
+        return form  # type: ignore[no-any-return]
 
 
 def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -109,27 +124,13 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     known, size, times = _names_of(step)
     if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
         return
-
-    def form(others: Mapping[str, float], by_parts: bool = False) -> Callable[..., Any]:
-        def called(y: Foreign, t: float, h: float) -> Foreign:
-            moved = as_complex(y) if by_parts else copy(y)
-            answer = step(**{known[0]: moved, size: h} | dict.fromkeys(times, t) | {**others})
-            end = moved if answer is None else answer
-            return as_reals(end) if by_parts else end
-
-        plain = called if times else lambda y, h: called(y, 0.0, h)
-        made: Any = _read_as(plain, step, known[:1], others, partial(form, by_parts=by_parts))
-        made.by_parts = by_parts
-        return made  # type: ignore[no-any-return]
-
-    ones, at = dict.fromkeys(known[1:], 1.0), (0.0,) * bool(times)
-    found = form(ones)
+    found = Numbers(step, known[:1], dict.fromkeys(known[1:], 1.0), size, times, whole=True)
     for count in _NUMBERS_OF_AN_ARRAY:
         with suppress(Exception):
             start = np.array([1 / (i + 2) for i in range(count)])
-            near, far = (found(start, *at, h) for h in (_SHORT**2, _LONG))
+            near, far = (found._called(start, 0.0, h) for h in (_SHORT**2, _LONG))
             if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
-                yield form(ones, by_parts=True) if np.iscomplexobj(far) and np.imag(far).any() else found
+                yield replace(found, by_parts=bool(np.iscomplexobj(far) and np.imag(far).any())).form
                 return
 
 
@@ -155,21 +156,6 @@ def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvent
     roles = (calling.POSITION, calling.VELOCITY, calling.STATE)
     states = {name for role, name in found.named(step) if role in roles}
     return replace(numbers, step=step).form if states < {*numbers.names} else None
-
-
-def _read_as(
-    form: Any,
-    step: Callable[..., Any],
-    names: Sequence[str],
-    others: Mapping[str, float],
-    of_others: Callable[[Mapping[str, float]], Callable[..., Any]],
-) -> Callable[..., Any]:
-    """The form of a step with the names of its state, which reports then use, and with what makes it of `others`."""
-    *_, size, times = _names_of(step)
-    form.step, form.others, form.of_others = step, others, of_others
-    form.state_names = tuple(names) if len(names) > 1 else tuple(f"{names[0]}[{i}]" for i in range(2))
-    form.reading = calling.reading_of({"the state": names, "the time": times, "the step size": [size]}, step)
-    return form  # type: ignore[no-any-return]
 
 
 def _names_of(step: Callable[..., Any]) -> tuple[tuple[str, ...], str, tuple[str, ...]]:

@@ -50,17 +50,8 @@ class HandedSlopes:
         self.handed = bool(slots)
         self.returned = _Decisions()
         self.rest = [name for name in names if name not in (*slots, history)]
-        self.roles = {
-            role: next((name for name in self.rest if calling.role_of(name, (role,))), "")
-            for role in (
-                calling.FUNCTION,
-                calling.STATE,
-                calling.TIME,
-                calling.STEP,
-                calling.POSITION,
-                calling.VELOCITY,
-            )
-        }
+        roles = (*calling.STANDARD_ORDER[calling.FIELD], calling.POSITION, calling.VELOCITY)
+        self.roles = {role: next((x for x in self.rest if calling.role_of(x, (role,))), "") for role in roles}
         self.of_force = bool(self.roles[calling.POSITION] and self.roles[calling.VELOCITY])
         if self.of_force:
             self.roles[calling.STATE] = self.roles[calling.POSITION]

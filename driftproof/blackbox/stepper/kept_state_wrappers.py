@@ -11,36 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.stepper import calling_conventions as calling
+from driftproof.blackbox.stepper import made_wrappers as objects
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
-from driftproof.blackbox.stepper.calling_conventions import (
-    FIELD,
-    FORCE,
-    FUNCTION,
-    MAP,
-    POSITION,
-    STATE,
-    STEP,
-    TIME,
-    UNIT_PARAMETERS,
-    VELOCITY,
-    has_gradient,
-    names_with_step,
-    required_names,
-    role_of,
-    word_of,
-)
-from driftproof.blackbox.stepper.class_wrappers import (
-    PUSHED,
-    attribute_of,
-    attributes_of,
-    function_argument,
-    public_methods,
-    put_wrapper,
-)
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
+from driftproof.blackbox.stepper.made_wrappers import ADVANCES, attribute_of, attributes_of, function_argument
+from driftproof.blackbox.stepper.wrapper_parts import name_of, plain_role
 
-# The usual names of a method that makes a step, and of one that is given a force.
-ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
+# The usual names of a method that is given a force.
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
 # What stands for the wrapper's arguments where an object is made.
 _AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
@@ -48,13 +27,70 @@ _AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", 
 _SHORT, _NEAR = 2.0**-20, 2.0**-6
 
 
-def kept_state_wrapper(cls: type, made: Any, advance: str, own: bool = False) -> str:
+def object_wrapper(step: Callable[..., Any], own: bool = False) -> str:
+    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found.
+
+    If its `own` system is to be judged, nothing of it is replaced.
+    """
+    if inspect.isclass(step):
+        advance, whole = advance_of(step) or "step", objects.class_run_wrapper(step)
+        once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
+        return once or _kept_state_wrapper(step, _made_anyhow(step), advance, own)
+    made, names = getattr(step, "__self__", None), required_names(step)
+    if made is None or names is None or [*map(plain_role, names)] not in ([STEP], []):
+        return ""
+    cls = type(made)
+    taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
+    return taken or _kept_state_wrapper(cls, made, step.__name__, own)
+
+
+def _class_wrapper(cls: type, own: str | None = None) -> str:
+    """The wrapper of a class by what it and a method take: its own method before that of a base, or the only one."""
+    ways = (each for base in cls.__mro__ for each in (*ADVANCES, "__call__") if each in vars(base))
+    if not (own := own or next(ways, None) or _only_step(cls)) or not calling.names_with_step(getattr(cls, own)):
+        return ""
+    if sum(map(common.is_before, required_names(cls) or ())) == 1:
+        return _two_states_wrapper(cls, own)
+    return objects.class_wrapper(cls, own)
+
+
+def _only_step(cls: type) -> str:
+    """The only method of a class that takes a state and a step size; "" if there are none, or several."""
+    roles = {each: _roles(cls, each) for each in objects.public_methods(cls)}
+    found = [each for each, held in roles.items() if STEP in held and held & {calling.POSITION, calling.STATE}]
+    return found[0] if len(found) == 1 else ""
+
+
+def _roles(cls: type, method: str) -> set[str | None]:
+    return {plain_role(name) for name in calling.names_with_step(getattr(cls, method)) or ()}
+
+
+def _own_step(cls: type) -> str:
+    """The method of an object of the class that is a step already, of the state and a function or of q and v."""
+    for each in (name for name in ADVANCES if hasattr(cls, name)):
+        roles, place = _roles(cls, each), calling.POSITION
+        if {STEP, place, calling.VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {calling.STATE, place}):
+            given = ", ".join(name.upper() for name in required_names(cls) or ())
+            return f"wrapped = {name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
+    return ""
+
+
+def _made_anyhow(cls: type) -> Any:
+    """An object of the class, made with trial values, or a function, for each argument; else the class itself."""
+    names = required_names(cls) or []
+    for known in (common.arguments_by_role(names, FIELD), {}):
+        with suppress(Exception):
+            return cls(*[common.TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
+    return cls
+
+
+def _kept_state_wrapper(cls: type, made: Any, advance: str, own: bool) -> str:
     """The wrapper of an object that keeps its state and maybe its system; "" if its method takes more than a size."""
     pushed = own or (not required_names(cls) and any(hasattr(cls, each) for each in _PUSHES))
-    line = "" if pushed else put_wrapper(cls, made, advance)
+    line = "" if pushed else objects.put_wrapper(cls, made, advance)
     if line or not {*further_names(cls, advance)} <= {*CONTROL_INPUTS}:
         return line
-    return two_states_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
+    return _two_states_wrapper(cls, advance) or _state_wrapper(cls, made, advance)
 
 
 def making(cls: type, kind: str, made: Any = None) -> str:
@@ -63,18 +99,18 @@ def making(cls: type, kind: str, made: Any = None) -> str:
     Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
     those of some start for a state.
     """
-    names, name = required_names(cls) or [], common.name_of(cls)
+    names, name = required_names(cls) or [], name_of(cls)
     taken = common.function_of(kind) * bool(function_argument(cls))
-    if len(names) == bool(taken) and not has_gradient(names):
+    if len(names) == bool(taken) and not calling.has_gradient(names):
         return name
     kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
     given = {each: _AT_REST.get(text, text) for each, text in common.arguments_by_role(names, kind).items()}
-    given |= {each: "1.0" for each in names if each not in given and word_of(each) in UNIT_PARAMETERS}
+    given |= {each: "1.0" for each in names if each not in given and calling.word_of(each) in calling.UNIT_PARAMETERS}
     arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
-def two_states_wrapper(cls: type, advance: str) -> str:
+def _two_states_wrapper(cls: type, advance: str) -> str:
     """The run of an object that keeps its state and the one before, and no velocity; "" if it is not one.
 
     Of an object in space, all coordinates are the same. Its force is given to it or to its method, pushed, or put where
@@ -84,42 +120,47 @@ def two_states_wrapper(cls: type, advance: str) -> str:
         names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
         kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
         before = next(each for each in kept if common.is_before(each))
-        now = next(each for each in kept if role_of(each, (POSITION, STATE)))
-        handed = function or any(common.plain_role(each) == FUNCTION for each in taken)
+        now = next(each for each in kept if role_of(each, (calling.POSITION, calling.STATE)))
+        handed = function or any(plain_role(each) == FUNCTION for each in taken)
         kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD
         given = common.arguments_by_role(taken, kind)
-        if any(role_of(each, (VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
+        if any(role_of(each, (calling.VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
             return ""
-        call, cls_name = f"made.{advance}({', '.join(given[each] for each in taken)})", common.name_of(cls)
+        call, name = f"made.{advance}({', '.join(given[each] for each in taken)})", name_of(cls)
         if kind == FIELD:
             start = ", ".join("f" if each == function else "y" for each in names)
-            begin = f"made = {cls_name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}; "
-            later = f"({call}, [*made.{now}])[-1]"
-            line = common.run_of_steps("f, y, h", f"y, [*made.{now}]", later, begin, first=1)
-            return line if common.goes_straight(line, **{cls_name: cls}) else ""
-        vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
-        first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
-        put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
-        force = f"lambda p, *rest: {put(f'force(p{first})')}"
-        start = ", ".join(force if each == function else "0.0" for each in names)
-        begin = f"made = {cls_name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}; "
-        push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
-        push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in PUSHED), "")
-        if not (push or handed):
-            return ""
-        pushed = "" if handed else f"{push}force(made.{now}{first})), "
-        found = common.WITH_SPEEDS.format("ys[1:]", "ys[2:]")
-        later = f"({pushed}{call}, 1.0 * made.{now}{first})[-1]"
-        line = common.run_of_steps(common.HEADS[FORCE], f"{common.BEFORE}, q", later, begin, found=found)
-        return line if common.goes_straight(line, **{cls_name: cls, vector: type(kept[now])}) else ""
+            begin = f"made = {name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}"
+            line = common.run_of_steps(FIELD, f"y, [*made.{now}]", f"({call}, [*made.{now}])[-1]", begin, first=1)
+            found = _ran(line, cls, lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)
+        else:
+            vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
+            first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
+            put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
+            force = f"lambda p, *rest: {put(f'force(p{first})')}"
+            start = ", ".join(force if each == function else "0.0" for each in names)
+            begin = f"made = {name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}"
+            push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
+            push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED), "")
+            if not (push or handed):
+                return ""
+            pushed = "" if handed else f"{push}force(made.{now}{first})), "
+            line = common.run_of_positions(f"({pushed}{call}, 1.0 * made.{now}{first})[-1]", begin)
+            found = _ran(line, cls, lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
+        # It goes straight on where no force acts, or where y' = 1/2.
+        return line if [float(np.ravel(x)[0]) for x in found] == [1.0, 1.125, 1.25] else ""
     return ""
+
+
+def _ran(line: str, cls: type, *given: Any) -> Any:
+    """What a wrapper returns where it is pasted after the class."""
+    exec(line, names := objects.scope_of(cls))
+    return names["wrapped"](*given)
 
 
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
-    q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
-    moved, pair = _moved_numbers(made, advance)
-    q, v = _pushed_pair(made, advance) or (q, v) if q and v else pair or (q, v)
+    q, v, state, time = (attribute_of(made, role) for role in (calling.POSITION, calling.VELOCITY, calling.STATE, TIME))
+    moved, (q, v) = _moved_numbers(made, advance, (q, v))
     built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
     if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
         return _numbers_wrapper(cls, made, advance, moved)
@@ -145,65 +186,55 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
 def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
     """The step of an object, made anew, whose system is built in, of the time and the numbers that its step moves."""
     taken, size, time = _taken_by(made, advance, "h", "0.0"), attribute_of(made, STEP), attribute_of(made, TIME)
-    call = ", ".join(taken)
-    put, make = f"made.{size} = h; " if size and "h" not in taken else "", making(cls, MAP, made)
-    places, put = ", ".join(f"made.{each}" for each in moved), put + f"made.{time} = t; " * bool(time)
+    make, places = making(cls, calling.MAP, made), ", ".join(f"made.{each}" for each in moved)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
-    puts = f"made = {makes}; {put}[{places}] = 1.0 * y; made.{advance}({call})"
-    return f"def wrapped({'t, ' * bool(time)}y, h): import numpy; {puts}; return numpy.array([{places}])"
+    puts = [f"made.{size} = h"] * (size != "" and "h" not in taken) + [f"made.{time} = t"] * bool(time)
+    step, end = f"made.{advance}({', '.join(taken)})", f"return numpy.array([{places}])"
+    return common.defined(calling.STATE, "import numpy", f"made = {makes}", *puts, f"[{places}] = 1.0 * y", step, end)
 
 
-def _moved_numbers(made: Any, advance: str) -> tuple[list[str], tuple[str, str] | None]:
-    """The numbers and arrays of an object, but its time, that a short step moves; and the first that another one moves.
+def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[list[str], tuple[str, str]]:
+    """The numbers and arrays of an object, but its time, that a short step moves; a position and its velocity.
 
-    That other one is its velocity.
+    The position moves by its velocity, which moves itself; else they are those named so; else the one that moves by
+    another number; else the only ones there are, though it moves them wrongly.
     """
     with suppress(Exception):
         moved = deepcopy(made)
         known = {each: x for each, x in attributes_of(moved).items() if isinstance(x, float | np.ndarray)}
         for i, (each, x) in enumerate(known.items()):
-            setattr(moved, each, _SHORT if common.plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
+            setattr(moved, each, _SHORT if plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
         before = {each: copy(getattr(moved, each)) for each in known}
         getattr(moved, advance)(*_taken_by(made, advance, _SHORT, 0.0))
-        rates = {
-            each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if common.plain_role(each) != TIME
-        }
+        rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
         rates = {each: rate for each, rate in rates.items() if np.any(rate)}
         others = product(rates.items(), before.items())
         pairs = [(x, y) for (x, rate), (y, v) in others if x != y and np.shape(rate) == np.shape(v)]
         near = [(x, y) for x, y in pairs if np.allclose(rates[x], before[y], _NEAR, 0)]
-        return [*rates], next(iter(near or pairs * (len(pairs) == 1)), None)  # the only one, though it moves it wrongly
-    return [], None
-
-
-def _pushed_pair(made: Any, advance: str) -> tuple[str, str] | None:
-    """The coordinate, of several with a velocity of their own, whose velocity a step changes; None if there is none."""
-    with suppress(Exception):
-        moved, kept = deepcopy(made), attributes_of(made)
-        getattr(moved, advance)(*_taken_by(made, advance, 0.25, 0.0))
-        pairs = [(each, f"v{each}") for each in "xyz" if each in kept and f"v{each}" in kept]
-        return next(((q, v) for q, v in pairs if getattr(moved, v) != kept[v]), None)
-    return None
+        both = [pair for pair in near if pair[1] in rates]
+        found = [*[named] * (named in both), *both, *[named] * all(named), *near, *pairs * (len(pairs) == 1), named]
+        return [*rates], found[0]
+    return [], named
 
 
 def _names_taken(made: Any, advance: str) -> list[str]:
     """The names of what a method is given besides its object, with a step size that has a default."""
-    return (names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
+    return (calling.names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
 
 
 def _taken_by(made: Any, advance: str, size: Any, other: Any) -> list[Any]:
     """What a method is given besides its object: a step size, and `other` things."""
-    return [size if common.plain_role(each) == STEP else other for each in _names_taken(made, advance)]
+    return [size if plain_role(each) == STEP else other for each in _names_taken(made, advance)]
 
 
 def further_names(cls: type, advance: str) -> list[str]:
     """What a method of a class needs besides its object and the step size."""
-    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if common.plain_role(each) != STEP]
+    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if plain_role(each) != STEP]
 
 
 def advance_of(cls: type) -> str:
     """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
-    alone = [each for each in public_methods(cls) if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    alone = [each for each in objects.public_methods(cls) if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
     alone = [each for each in alone if any(word in each for word in ADVANCES)] or alone
     return next((each for each in ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
 

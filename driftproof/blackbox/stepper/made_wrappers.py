@@ -1,143 +1,186 @@
-"""Wrappers of steppers that are made first, ready to paste: from a class, or by a function that makes steppers."""
+"""Wrappers of classes and of makers of steppers, ready to paste: an object is made for each step, or for each run."""
 
 from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from copy import copy
+from itertools import chain, product
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
-from driftproof.blackbox.stepper.calling_conventions import (
-    FIELD,
-    FORCE,
-    FUNCTION,
-    POSITION,
-    STATE,
-    STEP,
-    TIME,
-    VELOCITY,
-    names_with_step,
-    parameters_of,
-    required_names,
-)
-from driftproof.blackbox.stepper.class_wrappers import (
-    START,
-    Made,
-    attribute_of,
-    class_run_wrapper,
-    function_argument,
-    public_methods,
-)
-from driftproof.blackbox.stepper.kept_state_wrappers import ADVANCES, advance_of, kept_state_wrapper, two_states_wrapper
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
+from driftproof.blackbox.stepper.function_wrappers import run_wrapper
+from driftproof.blackbox.stepper.wrapper_parts import arguments_by_role, defined, name_of, plain_role
 
+# The usual names of a method that makes a step, and of one that makes a run.
+ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
+_RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
+# The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
+PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
+_ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
 # A right-hand side that is given inputs after its state.
 _OF_STATE = "lambda y, *rest: f(y)"
+# The state from which an object of each kind is tried.
+_START: dict[str, tuple[Any, ...]] = dict.fromkeys((FORCE, calling.MAP), (1.0, 0.5))
+_START[FIELD] = (np.array([1.0, 0.5]),)
+# Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
+_TRIED = 12
 
 
-def object_wrapper(step: Callable[..., Any], own: bool = False) -> str:
-    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found.
+class Made(NamedTuple):
+    """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
-    If its `own` system is to be judged, nothing of it is replaced.
+    `kept` are the attributes that hold its state, if it keeps one; `puts` are what is put into attributes. What the
+    wrapper does is seen by running its parts.
     """
-    if inspect.isclass(step):
-        advance = advance_of(step) or "step"
-        made, whole = _made_anyhow(step), class_run_wrapper(step)
-        once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
-        return once or kept_state_wrapper(step, made, advance, own)
-    made, names = getattr(step, "__self__", None), required_names(step)
-    if made is None or names is None or [*map(common.plain_role, names)] not in ([STEP], []):
-        return ""
-    cls = type(made)
-    taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
-    return taken or kept_state_wrapper(cls, made, step.__name__, own)
 
+    kind: str
+    make: Callable[..., Any]
+    arguments: Mapping[str, str]
+    call: Mapping[str, str]
+    method: str = ""
+    kept: Sequence[str] = ()
+    puts: Mapping[str, str] = {}
 
-def _own_step(cls: type) -> str:
-    """The method of an object of the class that is a step already, of the state and a function or of q and v."""
-    for each in (name for name in ADVANCES if hasattr(cls, name)):
-        roles = {common.plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
-        if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
-            given = ", ".join(name.upper() for name in required_names(cls) or ())
-            return f"wrapped = {common.name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
-    return ""
+    @property
+    def state(self) -> set[str]:
+        """The names of its state in the wrapper."""
+        return {"y"} if self.kind == FIELD else {"q", "v"}
 
+    @property
+    def given(self) -> set[str]:
+        """What is given to what makes it, to its step, or is put into its attributes."""
+        return {*self.arguments.values(), *self.call.values(), *self.puts.values()}
 
-def _made_anyhow(cls: type) -> Any:
-    """An object of the class, made with trial values, or a function, for each argument; else the class itself."""
-    given = common.arguments_by_role(names := required_names(cls) or [], FIELD)
-    for known in (given, {}):
+    @property
+    def _making(self) -> str:
+        return f"made = {name_of(self.make)}({', '.join(self.arguments.values())})"
+
+    @property
+    def _putting(self) -> str:
+        places, texts = ", ".join(f"made.{each}" for each in self.puts), ", ".join(self.puts.values())
+        return f"{places} = {texts}" if self.puts else ""
+
+    @property
+    def _once(self) -> str:
+        return f"made{self.method}({', '.join(self.call.values())})"
+
+    @property
+    def _left(self) -> str:
+        return ", ".join(f"made.{each}" for each in self.kept)
+
+    def line(self) -> str:
+        """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
+        made, once, left = self._making, self._once, self._left
+        if not self._remembers():
+            if left:
+                return defined(self.kind, made, self._putting, once, f"return {left}")
+            if self.puts:
+                return defined(self.kind, made, self._putting, f"return {once}")
+            return defined(self.kind, f"return {made.removeprefix('made = ')}{once.removeprefix('made')}")
+        if not (left or self.arguments or self.puts):  # its steps may have several lengths
+            return f"wrapped = {made.removeprefix('made = ')}{self.method}"
+        later = self._replace(call=common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]"))._once
+        if left:
+            # What is kept may be changed in place, and so may be what it is given.
+            copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)
+            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
+            copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}
+            made = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})._making
+        begin = "; ".join(filter(None, (made, self._putting)))
+        return common.run_of_steps(self.kind, "y" if self.kind == FIELD else "(q, v)", later, begin)
+
+    def new(
+        self, t: float = 0.0, state: Sequence[Any] = (), function: Callable[..., Any] | None = None
+    ) -> dict[str, Any]:
+        """The names in the wrapper when its object is made, and the function that it is given."""
+        names = scope_of(self.make) | {text: None for text in self.given if text.isidentifier() and text.isupper()}
+        # Of the time, too, where it is given.
+        names |= {"h": 0.25, **dict.fromkeys(("f", "force"), function or (lambda *x: x[0] - 0.5 * x[-1]))}
+        return self._done(names, state or _START[self.kind], t, self._making, self._putting)
+
+    def _done(self, names: dict[str, Any], state: Sequence[Any], t: float, *statements: str) -> dict[str, Any]:
+        """The names after some statements of the wrapper in a state."""
+        names |= {"t": t} | dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
+        exec("; ".join(filter(None, statements)), names)
+        return names
+
+    def stepped(self, names: dict[str, Any], state: Sequence[Any] = (), t: float = 0.0) -> tuple[Any, ...]:
+        """The state that is left or returned after a step of what was made."""
+        end = f"found = {self._once}" + f"; found = {self._left}" * bool(self.kept)
+        found = self._done(names, state or _START[self.kind], t, self._putting, end)["found"]
+        return tuple(map(copy, [found] if self.kind == FIELD else found))
+
+    def moves_by(self) -> bool:
+        """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
+        pushes = (lambda *x: 0.0 * max(x, key=np.size)), (lambda *x: 0.0 * max(x, key=np.size) + 1.0)
+        still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
+        first = np.ravel(_START[self.kind])
+        right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
+        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
+
+    def _remembers(self) -> bool:
+        """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
+
+        What an object changes besides does not count where its state is put. It is False if no step can be made.
+        """
         with suppress(Exception):
-            return cls(*[common.TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
-    return cls
+            names, state = self.new(), _START[self.kind]
+            before = {each: repr(x) for each, x in getattr(names["made"], "__dict__", {}).items()}
+            for i in range(_TRIED):
+                found, anew = (self.stepped(each, state, i / 4) for each in (names, self.new(i / 4, state)))
+                if not np.array_equal(np.array(found), np.array(anew)):
+                    return True
+                state = found
+            after = getattr(names["made"], "__dict__", {}).items()
+            changed = {each for each, x in after if repr(x) != before.get(each)}
+            put = self.kept and {each.partition(".")[0] for each in self.kept} <= self.puts.keys()
+            return not put and bool(changed - {*self.kept, attribute_of(names["made"], TIME)})
+        return False
+
+    def fitted(self) -> Made:
+        """Itself; or made for as many numbers as the state has, or from an object with the method that it calls."""
+        try:
+            self.stepped(self.new())
+        except Exception as failure:
+            texts, function = {"1": "len(y)"} if self.kind == FIELD else {}, common.function_of(self.kind)
+            if isinstance(failure, AttributeError) and callable(failure.obj):
+                texts = {function: f'type("Made", (), {{"{failure.name}": staticmethod({function})}})'}
+            other = self._replace(arguments={each: texts.get(text, text) for each, text in self.arguments.items()})
+            with suppress(Exception):
+                other.stepped(other.new())
+                return other
+        return self
 
 
-def _class_wrapper(cls: type, own: str | None = None) -> str:
-    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
-    names = required_names(cls) or []
-    ways = (each for base in cls.__mro__ for each in (*ADVANCES, "__call__") if each in vars(base))
-    own = own or next(ways, None) or _only_step(cls)  # that of the class itself before that of a base
-    taken = names_with_step(getattr(cls, own)) if own else None
-    if not taken:
-        return ""
-    method = "" if own == "__call__" else f".{own}"
-    if sum(map(common.is_before, names)) == 1:
-        return two_states_wrapper(cls, own)
-    with_size = names_with_step(cls) or []  # where a class is made with a step size that has a default, it is given
-    if STEP not in map(common.plain_role, taken) and [*(parameters_of(cls) or ())][: len(with_size)] == with_size:
-        names = with_size
-    kind = common.kind_by_names((*names, *taken))
-    made = Made(kind, cls, common.arguments_by_role(names, kind), common.arguments_by_role(taken[1:], kind), method)
-    inputs = [each for each in taken[1:] if each not in made.call]
-    if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
-        takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
-        made = made._replace(arguments=takes, call={each: made.call.get(each, "None") for each in taken[1:]})
-    if kind == FORCE and {*made.call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
-        made = made._replace(call={x: "[q, v]" if text == "q" else text for x, text in made.call.items()})
-    given, called = {"f" if x == _OF_STATE else x for x in made.arguments.values()}, {*made.call.values()}
-    if (
-        len(made.arguments) < len(names)
-        or len(made.call) < len(taken) - 1
-        or common.function_of(kind) not in given | called
-    ):
-        return ""
-    if made.state <= called or "[q, v]" in called:
-        made = made.fitted()
-        with suppress(Exception):
-            if made.state <= called and "t" not in given | called:
-                clock = attribute_of(made.new(START[kind], 0.0)["made"], TIME)
-                made = made._replace(puts={clock: "t"} if clock else {})
-        return made.line()
-    with suppress(Exception):
-        kept = made.new(START[kind], 0.0)["made"]
-        places = [attribute_of(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
-        puts = {attribute_of(kept, TIME) * ("t" not in given): "t"}
-        puts |= {attribute_of(kept, STEP) * ("h" not in given | called): "h"}
-        puts.pop("", None)
-        return made._replace(kept=places, puts=puts).line() if all(places) and made.state <= given else ""
-    return ""
+def function_argument(cls: type) -> str:
+    """The argument of a class by which its objects are given the function that they call; "" if there is none."""
+    return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
 
 
-def _only_step(cls: type) -> str:
-    """The only method of a class that takes a state and a step size; "" if there are none, or several."""
-    roles = {each: {*map(common.plain_role, names_with_step(getattr(cls, each)) or ())} for each in public_methods(cls)}
-    found = [each for each, held in roles.items() if STEP in held and held & {POSITION, STATE}]
-    return found[0] if len(found) == 1 else ""
+def attribute_of(made: Any, role: str) -> str:
+    """The public attribute of an object with one of the role's names; "" if there is none."""
+    named = {} if inspect.isclass(made) else attributes_of(made)
+    found = next((name for name in named if not name.startswith("_") and role_of(name, (role,))), "")
+    return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
 
 
-def clock_wrapper(step: Callable[..., Any]) -> str:
-    """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
-    if clock := attribute_of(getattr(step, "made", None), TIME):
-        return f'; write time="{clock}" in the call of field_stepper_of'
-    owner = getattr(step, "__self__", step)
-    cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
-    if not (clock := attribute_of(owner, TIME)):
-        return ": let the time be an argument, or make the step anew each time"
-    given = {each: each.upper() for each in required_names(cls) or ()}
-    call = common.arguments_by_role(required_names(step) or (), FIELD)
-    return f"; write: {Made(FIELD, cls, given, call, method, puts={clock: 't'}).line()}"
+def attributes_of(made: Any) -> dict[str, Any]:
+    """The attributes of an object by name, those in slots as well."""
+    slots = [each for cls in type(made).__mro__ for each in getattr(cls, "__slots__", ()) if hasattr(made, each)]
+    return {each: getattr(made, each) for each in slots} | getattr(made, "__dict__", {})
+
+
+def public_methods(cls: type) -> list[str]:
+    """The names of a class's methods that are for others."""
+    return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
 
 
 def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
@@ -149,16 +192,201 @@ def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
     return found if inspect.isclass(found) else step
 
 
+def scope_of(step: Callable[..., Any]) -> dict[str, Any]:
+    """The names that a wrapper may use where it is pasted: those of the code's module, and of the code itself."""
+    made = getattr(step, "__self__", None)
+    owner = owner_of(step) if made is None or inspect.isclass(made) else type(made)
+    parts = [*vars(owner).values()] if inspect.isclass(owner) else [owner]
+    module = next((each.__globals__ for each in parts if hasattr(each, "__globals__")), {})
+    return {**module, name_of(owner): owner, "made": made, name_of(step): step}
+
+
+def class_wrapper(cls: type, own: str) -> str:
+    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
+    names, taken = required_names(cls) or [], (calling.names_with_step(getattr(cls, own)) or [""])[1:]
+    with_size = calling.names_with_step(cls) or []  # where a class is made with a step size that has a default
+    if STEP not in map(plain_role, taken) and [*(calling.parameters_of(cls) or ())][: len(with_size)] == with_size:
+        names = with_size
+    kind = common.kind_by_names((*names, *taken))
+    called = arguments_by_role(taken, kind)
+    made = Made(kind, cls, arguments_by_role(names, kind), called, f".{own}" * (own != "__call__"))
+    inputs = [each for each in taken if each not in called]
+    if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
+        takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
+        made = made._replace(arguments=takes, call={each: called.get(each, "None") for each in taken})
+    if kind == FORCE and {*called.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
+        made = made._replace(call={each: "[q, v]" if text == "q" else text for each, text in called.items()})
+    if len(made.arguments) < len(names) or len(made.call) < len(taken):
+        return ""
+    if {common.function_of(kind), _OF_STATE}.isdisjoint(made.given):
+        return ""
+    returns = made.state <= {*called.values()} or "[q, v]" in made.call.values()
+    if returns:
+        made = made.fitted()
+    with suppress(Exception):
+        kept = made.new()["made"]
+        roles = (calling.POSITION, calling.VELOCITY) if kind == FORCE else (calling.STATE,)
+        places = [] if returns else [attribute_of(kept, role) for role in roles]
+        texts = {TIME: "t", STEP: "h"} if kind == FIELD else {STEP: "h"}
+        puts = {attribute_of(kept, role): text for role, text in texts.items() if text not in made.given}
+        puts.pop("", None)
+        if returns or (all(places) and made.state <= {*made.arguments.values()}):
+            return made._replace(kept=places, puts=puts).line()
+    return made.line() if returns else ""
+
+
+def put_wrapper(cls: type, made: Any, advance: str) -> str:
+    """The wrapper of an object that is made for each step, and given its state, its step size and its force.
+
+    What is given replaces a method that is its force or its right-hand side, or an attribute that holds its force. It
+    is "" unless the object is seen to move by what is given, and by nothing else.
+    """
+    kept = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
+    method, makes = getattr(cls, advance, None), required_names(cls) or []
+    roles = (calling.POSITION, calling.VELOCITY, calling.STATE, STEP, TIME)
+    q, v, state, size, time = (attribute_of(made, role).partition(".")[0] for role in roles)
+    if not inspect.isfunction(method) or function_argument(cls) or not (state or (q and v)):
+        return ""
+    vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
+    kind = FORCE if q and v else FIELD
+    parts = ("q", "v", "force(q)") if vector else ()
+    held: Callable[[str], str] = lambda text: f"{vector}({text}, 0.0)" if text in parts else text
+    taken = (calling.names_with_step(method) or [""])[1:]
+    call, start = (arguments_by_role(each, kind) for each in (taken, makes))
+    start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}
+    replaced = {
+        each: (required_names(getattr(cls, each)) or [])[1:]
+        for each in public_methods(cls)
+        if role_of(each, (FUNCTION,))
+    }
+    pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
+    # An input is None, if it is only handed on; the object has its state.
+    without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
+    calls = [without, *[call] * (without != call and len(call) == len(taken))]
+    places = [f"{each}{'.x' * bool(vector)}" for each in ((q, v) if kind == FORCE else (state,))]
+    for name, call in product((*replaced, *pushed), calls):
+        function = _replacing(replaced[name], kind, q, "None" in call.values()) if name in replaced else "force(q)"
+        timed = any(role_of(each, (TIME,)) for each in replaced.get(name, ()))
+        puts = {q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
+        puts = {each: held(text) for each, text in (puts | {size: "h", name: function}).items() if each}
+        found = Made(kind, cls, start, call, f".{advance}", places, puts)
+        with suppress(Exception):
+            if found.moves_by():
+                return found.line()
+    return ""
+
+
+def _replacing(names: Sequence[str], kind: str, q: str, handed_on: bool) -> str:
+    """What is put in place of a method with these arguments, which may be `handed_on` inputs after the state."""
+    told = (calling.POSITION, calling.VELOCITY, TIME)
+    if kind == FORCE and not names:
+        return f"lambda: force(made.{q})"
+    if kind == FORCE:
+        return "force" if all(role_of(each, told) for each in names) else "lambda q, *rest: force(q)"
+    if handed_on:
+        return "lambda t, y, *rest: f(t, y)" if names and role_of(names[0], (TIME,)) else _OF_STATE
+    return "f"
+
+
 def maker_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
     names = required_names(step) or []
     made: Callable[..., Any] | None = None
     with suppress(Exception):
-        made = step(*(0.25 if common.plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
+        made = step(*(0.25 if plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
     inner = required_names(made) if callable(made) else None
     if not inner:
         return ""
     kind = common.kind_by_names((*names, *inner))
-    arguments = {each: "h" if common.plain_role(each) == STEP else common.function_of(kind) for each in names}
-    given = {each: each.upper() for each in inner} | common.arguments_by_role(inner, kind)
+    arguments = {each: "h" if plain_role(each) == STEP else common.function_of(kind) for each in names}
+    given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
     return Made(kind, step, arguments, given).line()
+
+
+def clock_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
+    if clock := attribute_of(getattr(step, "made", None), TIME):
+        return f'; write time="{clock}" in the call of field_stepper_of'
+    owner = getattr(step, "__self__", step)
+    cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
+    if not (clock := attribute_of(owner, TIME)):
+        return ": let the time be an argument, or make the step anew each time"
+    given = {each: each.upper() for each in required_names(cls) or ()}
+    call = arguments_by_role(required_names(step) or (), FIELD)
+    return f"; write: {Made(FIELD, cls, given, call, method, puts={clock: 't'}).line()}"
+
+
+def class_run_wrapper(cls: type) -> str:
+    """The wrapper of a class with a method for a run; one with tolerances is a whole solver; "" if none is known."""
+    if (run := run_of_class(cls)) is None:
+        return ""
+    if any(calling.word_of(each) in (*calling.TOLERANCE_NAMES[0], "tol") for each in calling.parameters_of(cls) or ()):
+        return common.whole_solver(cls)
+    return run_wrapper(run, required_names(run) or [])
+
+
+def run_of_class(cls: type) -> Callable[..., Any] | None:
+    """The run solve(f, ...) of a class made from f that has a method for it, and maybe one that takes the start.
+
+    It takes what the class and both methods take. What a method that returns nothing leaves in the object is returned
+    as times and states.
+
+    >>> class Euler:
+    ...     def __init__(self, f):
+    ...         self.f = f
+    ...     def set_initial_condition(self, u0):
+    ...         self.u0 = u0
+    ...     def solve(self, span, n):
+    ...         return span, [self.u0, self.u0 + (span[1] - span[0]) * self.f(span[0], self.u0)]
+    >>> run_of_class(Euler)(lambda t, u: -u, 1.0, (0.0, 0.5), 1)
+    ((0.0, 0.5), [1.0, 0.5])
+    """
+    methods = {each: _parameters(getattr(cls, each))[1:] for each in public_methods(cls)}
+    run = next((each for each in _RUNS if each in methods), "")
+    if not run or not function_argument(cls):
+        return None
+    calls = {"": _parameters(cls), run: methods[run]}
+    if not any(map(_begins, chain(*calls.values()))):
+        setter = next((each for each, taken in methods.items() if len(taken) == 1 and _begins(taken[0])), None)
+        if setter is None:
+            return None
+        calls = {"": calls[""], setter: methods[setter], run: methods[run]}
+    left: list[str] = []  # the attributes in which a run leaves what it does not return
+
+    def passed(each: str, given: Mapping[str, Any]) -> dict[str, Any]:
+        return {x.name: given[x.name] for x in calls[each] if x.name in given}
+
+    def solve(*arguments: Any, **named: Any) -> Any:
+        given = inspect.signature(solve).bind(*arguments, **named).arguments
+        found = made = cls(**passed("", given))
+        for each in [*calls][1:]:
+            found = getattr(made, each)(**passed(each, given))
+        if found is None:
+            names = *(each for each in vars(made) if each not in given), *given
+            left[:] = (next(x for x in names if role_of(x, (role,))) for role in (calling.GRID, calling.STATE))
+            found = tuple(getattr(made, each) for each in left)
+        return found
+
+    def written(*texts: str) -> str:
+        given = dict(zip(required_names(solve) or (), texts, strict=True))
+        lines = [f"made.{each}({', '.join(passed(each, given).values())})" for each in calls]
+        lines[0] = lines[0].replace("made.", f"made = {name_of(cls)}", 1)
+        end = f"({', '.join(f'made.{each}' for each in left)})" if left else lines.pop()
+        return f"‹{'; '.join(lines)}›{end}"
+
+    named = {x.name: x.replace(kind=x.POSITIONAL_OR_KEYWORD) for x in chain(*calls.values())}
+    made_run: Any = solve
+    calling.stand_in(made_run, cls, ())
+    made_run.__signature__ = inspect.Signature(sorted(named.values(), key=lambda x: x.default is not x.empty))
+    made_run.written = written
+    return solve
+
+
+def _parameters(code: Callable[..., Any]) -> list[inspect.Parameter]:
+    """What a class or a method takes, but for any number of further arguments."""
+    taken = (calling.parameters_of(code) or {}).values()
+    return [x for x in taken if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)]
+
+
+def _begins(taken: inspect.Parameter) -> bool:
+    return calling.word_of(taken.name) in (*calling.STARTS, *calling.ROLES[calling.STATE])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import permutations
 from typing import Any
@@ -12,7 +12,13 @@ import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.function_wrappers import called_functions, gradients_of
-from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, is_before, plain_role
+from driftproof.blackbox.stepper.wrapper_parts import (
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    called_with,
+    is_before,
+    plain_role,
+)
 
 # A decay so fast that a long step of it grows, unless it is solved for.
 _STIFF, _GROWN = 2.0**10, 2.0
@@ -32,10 +38,10 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if gradients := gradients_of(names):
         given = arguments_by_role([each for each in names if each not in gradients], calling.FORCE)
         if {"q", "v", "h"} <= {*given.values()} and len(given) + len(gradients) == len(names):
-            yield _of_gradients(step, gradients, given)
+            yield called_with(step, names, {**gradients, **given}, ["force", "q", "v", "h"])
     unknown = [each for each in names if not _is_known(each)]
     pairs = called_functions(step, names)
-    if len(pairs) == 2 and (parts := _explicit_first(step, names, pairs)):
+    if pairs and (parts := _explicit_first(step, names, pairs)):
         yield renamed(step, names, dict(zip(parts, ("f_explicit", "f_implicit"), strict=True)))
     if calling.size_name(names) and any(plain_role(each) == calling.FUNCTION for each in names):
         twice = [each for each in names if plain_role(each) == calling.VELOCITY] if not unknown else []
@@ -46,13 +52,8 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
 def renamed(step: Callable[..., Any], names: Sequence[str], usual: Mapping[str, str]) -> Callable[..., Any]:
     """The step whose arguments have these usual names in place of their own."""
-
-    def form(*arguments: Any, **named: Any) -> Any:
-        given = inspect.signature(form).bind(*arguments, **named).arguments
-        return step(**{name: given[usual.get(name, name)] for name in names})
-
-    calling.stand_in(form, step, [usual.get(each, each) for each in names])
-    return form
+    own = {each: usual.get(each, each) for each in names}
+    return called_with(step, names, own, [*own.values()])
 
 
 def _is_known(name: str) -> bool:
@@ -61,19 +62,6 @@ def _is_known(name: str) -> bool:
     masses = (*calling.UNIT_PARAMETERS, *calling.MASSES, *calling.INVERSE_MASSES)
     known = word in (*masses, *calling.COUNTS, "neq", "nvar", "dim") or word.endswith("out")
     return known or is_before(name) or calling.role_of(name, calling.ROLES) is not None
-
-
-def _of_gradients(step: Callable[..., Any], gradients: Iterable[str], given: Mapping[str, str]) -> Any:
-    """The step(force, q, v, h) of a step of H = p²/2 + V(q) that takes the gradients by both."""
-    by_position, by_momentum = gradients
-
-    def form(force: Any, q: Any, v: Any, h: float) -> Any:
-        known = {"q": q, "v": v, "h": h, "1.0": 1.0, "0.0": 0.0, "()": ()}
-        functions = {by_position: lambda x, *p: -force(x), by_momentum: lambda *p: p[-1]}
-        return step(**functions, **{name: known[text] for name, text in given.items()})
-
-    calling.stand_in(form, step, ["force", "q", "v", "h"])
-    return form
 
 
 def _explicit_first(step: Callable[..., Any], names: Sequence[str], pair: Sequence[str]) -> Sequence[str]:

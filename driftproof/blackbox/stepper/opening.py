@@ -27,12 +27,12 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import owner_of
+from driftproof.blackbox.stepper.made_wrappers import scope_of
 from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
-from driftproof.blackbox.stepper.run_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
@@ -47,7 +47,6 @@ from driftproof.blackbox.stepper.trial_steps import (
     one_step,
     tried,
 )
-from driftproof.blackbox.stepper.wrapper_parts import name_of
 from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
@@ -199,7 +198,7 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
     if head and {"y", "q", "v"} & {*head[1].split(", ")} - {*_WORD.findall(text, head.end())}:
         return f"{wrappers.OWN_STEP} that calls it with its state"
     try:
-        exec(compile(text, "<wrapper>", "exec"), known := _scope_of(step))
+        exec(compile(text, "<wrapper>", "exec"), known := scope_of(step))
         kind = calling.conventions_of(known["wrapped"])[0].kind
         subject = opened(known["wrapped"], kind)
         state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
@@ -230,15 +229,6 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
             return line
         seen = f"a step of {TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
     return f"{wrappers.OWN_STEP} that calls it; tried: {text}: {seen}"
-
-
-def _scope_of(step: Callable[..., Any]) -> dict[str, Any]:
-    """The names that a wrapper may use where it is pasted: those of the code's module, and of the code itself."""
-    made = getattr(step, "__self__", None)
-    owner = owner_of(step) if made is None or inspect.isclass(made) else type(made)
-    parts = [*vars(owner).values()] if inspect.isclass(owner) else [owner]
-    module = next((each.__globals__ for each in parts if hasattr(each, "__globals__")), {})
-    return {**module, name_of(owner).partition(".")[0]: owner, "made": made, name_of(step): step}
 
 
 def _unfitting(step: Callable[..., Any]) -> str:

@@ -249,38 +249,26 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
     if calling.FUNCTION not in roles:
         if (record := record_of(step, partial(called, None))) is not None:
-            free = _form(called, record, False, {}, 1.0)
-            yield lambda q, v, h: free(None, q, v, 0.0, h)
+            free = _form(called, record, False, "", False)
+            yield lambda q, v, h: free(None, q, v, h)
         elif found := fields_of(step, partial(called, None)):
             yield from _of_numbers(partial(called, None), *found)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
-    sign = -1.0 if calling.has_gradient([pushed]) else 1.0
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         if (record := record_of(step, partial(called, stub))) is not None:
-            masses = {
-                name: calling.MASS
-                for name in record.given
-                if calling.word_of(name) in calling.MASSES and not calling.is_acceleration(pushed)
-            }
-            form = _form(called, record, slopes, masses, sign * (calling.MASS if masses else 1.0))
-            yield form if calling.TIME in roles else _untimed(form)
+            yield _form(called, record, slopes, pushed, calling.TIME in roles)
     seen: list[Foreign] = []
-
-    def asks(*asked: Foreign) -> float:
-        seen.extend(asked)
-        return 0.0
-
     with suppress(Exception):
-        called(asks, (1.0, 0.5))
+        called(lambda *asked: seen.extend(asked) or 0.0, (1.0, 0.5))  # type: ignore[func-returns-value]
     if seen and not any(map(np.ndim, seen)):  # a pair, which the step takes apart
-        yield _untimed(_form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, {}, sign))
+        yield _form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, pushed, False)
 
 
 def _of_numbers(
     step: Callable[..., Foreign], name: str, make: Any, names: Sequence[str], needed: Sequence[str]
 ) -> Iterator[Callable[..., Any]]:
-    """Yield the step(y, h), or step(t, y, h), of a record of several numbers, in the order in which it returns them."""
+    """Yield the step(y, h) of a record of several numbers, in the order in which it returns them."""
     if len(needed) <= 2 or any(map(is_before, needed)):
         return
     order = list(needed)
@@ -288,32 +276,27 @@ def _of_numbers(
         returned = [*parts_of(step(make(**dict.fromkeys(needed, 0.5))))]
         order = returned if {*returned} == {*needed} else order
 
-    def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
+    def moved(y: Sequence[float], h: float) -> list[Foreign]:
         state = make(**dict(zip(order, map(float, y), strict=True)))
-        found = step(state, t, h)
+        found = step(state, 0.0, h)
         parts = parts_of(state if found is None else found)
         return [parts[each] for each in order]
 
-    form: Any = lambda y, h: moved(0.0, y, h)
+    form: Any = moved
     form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
     yield form
 
 
-def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
-    """The form of a step that takes no time."""
-    if "t" not in inspect.signature(form).parameters:
-        return form
-    return lambda force, q, v, h: form(force, q, v, 0.0, h)
+def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, timed: bool) -> Callable[..., Any]:
+    """The step of q'' = force(q, v, t) that a step of records makes, without t unless it is `timed`.
 
-
-def _form(
-    step: Callable[..., Any], record: Record, slopes: bool, masses: Mapping[str, float], factor: float
-) -> Callable[..., Any]:
-    """The step of q'' = force(q, v, t) that a step of records makes, which calls a function `factor` times the force.
-
-    Or, with `slopes`, a function that answers with a record of the slopes of position and velocity. If the step reads a
-    slope that the record hands on, it is the step(force, q, v, acc, h) that returns that at its end as well.
+    The step calls the function of the name `pushed`: a multiple of the force, or, with `slopes`, what answers with a
+    record of the slopes of position and velocity. If the step reads a slope that the record hands on, it is the
+    step(force, q, v, acc, h) that returns that at its end as well.
     """
+    heavy = bool(pushed) and not calling.is_acceleration(pushed)
+    masses = {name: calling.MASS for name in record.given if heavy and calling.word_of(name) in calling.MASSES}
+    factor = (-1.0 if calling.has_gradient([pushed]) else 1.0) * (calling.MASS if masses else 1.0)
 
     def end(force: Any, q: Foreign, v: Foreign, t: float, h: float, **handed: Foreign) -> Foreign:
         def asked(*arguments: Foreign) -> Foreign:
@@ -339,7 +322,7 @@ def _form(
             by = factor if calling.has_gradient([name]) == (factor < 0) else -factor
             by /= abs(by) if calling.is_acceleration(name) or calling.has_gradient([name]) else 1.0
             return _handing_on(end, record, name, by)
-    return moved
+    return moved if timed else lambda force, q, v, h: moved(force, q, v, 0.0, h)
 
 
 def _handing_on(end: Callable[..., Foreign], record: Record, name: str, by: float) -> Callable[..., Any]:

@@ -74,7 +74,8 @@ def _rows_of(columns: int, name: str) -> ArrayAdapter:
         return filled
 
     read = lambda value, size: _first_of(-(-size // columns) * columns, value, size)
-    return ArrayAdapter(name, write, read, shown=f"numpy.array([[{{}}{', 0.0' * (columns - 1)}]])")
+    shown = f"numpy.array([[{{}}{', 0.0' * (columns - 1)}]])"
+    return ArrayAdapter(name, write, read, shown=shown, together=columns)
 
 
 BODIES = _rows_of(3, "NumPy arrays of bodies in space")
@@ -99,16 +100,13 @@ def _vector(size: int, name: str, first: int, others: Sequence[float]) -> ArrayA
         return np.array([*numbers, *others[len(numbers) - size :][: size - len(numbers)]])
 
     shown = f"numpy.array([{{}}{''.join(f', {x}' for x in others[first - size :])}])"
-    return ArrayAdapter(f"NumPy {name} of {size}", write, partial(_first_of, size), shown=shown)
+    return ArrayAdapter(f"NumPy {name} of {size}", write, partial(_first_of, size), shown=shown, together=size)
 
 
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = tuple(_vector(size, "vectors", 1, [0.0] * size) for size in (2, 3))
 # For steps of a system that has more numbers built in, such as bodies that attract each other.
 SYSTEMS = tuple(_vector(size, "arrays", 2, [1 / (i + 2) for i in range(size)]) for size in (*range(3, 11), 12, 13, 18))
-# How many numbers make one body, one vector or one state of an adapter.
-TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
-TOGETHER |= {each.name: int(each.name.split()[-1]) for each in SYSTEMS}
 
 
 def _of_library(names: str, make: Callable[[Any], Foreign], shown: str, **how: Any) -> Iterator[ArrayAdapter]:

@@ -27,11 +27,7 @@ from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import (
-    exchange_wrapper,
-    increment_wrapper,
-    negation_wrapper,
-)
+from driftproof.blackbox.stepper.wrappers import call_wrapper, increment_wrapper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
@@ -112,7 +108,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:
         start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
-        if not np.allclose(subject.step_state(start, TINY**2), start, rtol=0, atol=NEAR):
+        if not np.allclose(subject.step_state(start, TINY**8), start, rtol=0, atol=NEAR):
             raise WrongShape(f"{len(start)} numbers jump, however short the step is")
     if subject.log.carried is not None:
         _require_slope_at_end(subject, end)
@@ -128,12 +124,14 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=NEAR) for x in ends] == [True, False]:
             order = read_as.order
             if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
-                raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
+                line = call_wrapper(subject, "v1, q1 = {}; return q1, v1")
+                raise Exchanged(f"it returns (v1, q1), the velocity first{line}")
             turned_round = replace(subject, convention=replace(read_as, velocity_first=True), log=CallLog())
             return _after_trial(turned_round, trial)
     turned = read_as.kind == calling.FORCE and end[1] < 0 and trial(subject, TINY)
     if turned and np.allclose(turned, np.array(TRIAL_STATE) * (1, -1), rtol=0, atol=NEAR):
-        raise Exchanged(f"it returns (q1, -v1), the velocity turned around{negation_wrapper(subject)}")
+        line = call_wrapper(subject, "q1, v1 = {}; return q1, -v1")
+        raise Exchanged(f"it returns (q1, -v1), the velocity turned around{line}")
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, TINY))) < NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")

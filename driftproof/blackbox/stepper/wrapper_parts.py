@@ -1,4 +1,4 @@
-"""What every wrapper is made of: arguments by role, the call of the code by their names, and runs of several steps."""
+"""What every wrapper is made of: arguments by role, the call of the code by their names, the line that is pasted."""
 
 from __future__ import annotations
 
@@ -9,39 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.stepper.calling_conventions import (
-    CARRIED,
-    COUNTS,
-    FIELD,
-    FORCE,
-    FUNCTION,
-    MAP,
-    MASSES,
-    MOMENTA,
-    POSITION,
-    ROLES,
-    RUN_ENDS,
-    STARTS,
-    STATE,
-    STEP,
-    TIME,
-    UNIT_PARAMETERS,
-    VELOCITY,
-    has_gradient,
-    launch,
-    matrices,
-    parameters_of,
-    role_of,
-    size_name,
-    word_of,
-)
+from driftproof.blackbox.stepper import calling_conventions as calling
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, MAP, STATE, STEP, role_of, word_of
 
-# The arguments of a wrapper by role, and all of them for a wrapper of each kind.
-ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
-HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
+# The arguments of a wrapper by role, and all of them for a wrapper of each kind; STATE has a map of one array.
+ARGUMENTS = {FUNCTION: "f", calling.TIME: "t", STATE: "y", calling.POSITION: "q", calling.VELOCITY: "v", STEP: "h"}
+_HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h", STATE: "t, y, h"}
+# What asks for a time, and the statements that stand before the one with a call.
+_TIMED, _BEFOREHAND = re.compile(r"(?<![.\w])t\b"), re.compile("‹(.*?)›")
 _BEFORE = re.compile("prev|old|last|before|nm1")
-# The statements that stand before the one with a call.
-_BEFOREHAND = re.compile(r"^(def wrapped\(.*?\): )(.*?)‹(.*?)›")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
 TRIAL_ARGUMENTS: dict[str, Any] = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
@@ -56,14 +32,49 @@ BEFORE, WITH_SPEEDS = "q - h * v + h**2 / 2 * force(q)", "{0}, [v, *((b - a) / h
 FIRST_STEP, FIRST_STEP_UNTIMED = "y + h * f(t + h / 2, y + h / 2 * f(t, y))", "y + h * f(y + h / 2 * f(y))"
 
 
-def stated_first(line: str) -> str:
-    """The wrapper with the statements that a call needs before the one with the call."""
-    return _BEFOREHAND.sub(r"\1\3; \2", line)
+def defined(kind: str, *statements: str, run: bool = False) -> str:
+    """The line of a wrapper of a kind that makes these statements; of a run, it takes a number n of steps.
+
+    It takes a time if one of them asks for it, or if a right-hand side leaves values to be written. What has to be done
+    before a call stands in it between ‹ and ›.
+    """
+    body = "; ".join(filter(None, statements))
+    body = "; ".join([*_BEFOREHAND.findall(body), _BEFOREHAND.sub("", body)])
+    timed = _TIMED.search(body) or (kind == FIELD and "# write" in body)
+    head = _HEADS[kind] if timed else _HEADS[kind].replace("t, ", "")
+    return f"def wrapped({head}{', n' * run}): {body}"
+
+
+def run_of_steps(kind: str, states: str, later: str, begin: str = "", first: int = 0, found: str = "ys") -> str:
+    """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
+    steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
+    return defined(kind, begin, f"ys = [{states}]", steps, f"return {found}", run=True)
+
+
+def run_of_positions(later: str, begin: str = "") -> str:
+    """The run of a method for q'' = F(q) that takes the last two positions; its velocities are their differences."""
+    return run_of_steps(FORCE, f"{BEFORE}, q", later, begin, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
+
+
+def called_with(
+    step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], taken: Sequence[str]
+) -> Callable[..., Any]:
+    """The step that takes other arguments and calls this one with what is `given`, as a wrapper would be written."""
+    call = ", ".join(f"{each}={given[each]}" for each in names)
+    exec(f"make = lambda step_: lambda {', '.join(taken)}: step_({call})", known := dict[str, Any]())
+    made = known["make"](step)  # which holds the step itself, so that a copy has a copy of it
+    calling.stand_in(made, step, taken)
+    return made  # type: ignore[no-any-return]
+
+
+def whole_solver(step: Callable[..., Any]) -> str:
+    """What to write for a whole solver."""
+    return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
 
 
 def plain_role(name: str) -> str | None:
     """The role of an argument by its name."""
-    return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
+    return role_of(name, (FUNCTION, STEP, calling.TIME, calling.POSITION, calling.VELOCITY, STATE))
 
 
 def kind_by_names(names: Sequence[str]) -> str:
@@ -71,10 +82,10 @@ def kind_by_names(names: Sequence[str]) -> str:
 
     Without a velocity or a time, a position is moved by what has the name of a force or a gradient.
     """
-    plain = [each for each in names if each not in matrices(names)]
+    plain = [each for each in names if each not in calling.matrices(names)]
     roles = {plain_role(each) for each in plain}
-    pushed = takes_force(plain) or has_gradient(plain) or any(word_of(each) == "a" for each in plain)
-    moved = POSITION in roles and (VELOCITY in roles or (TIME not in roles and pushed))
+    pushed = takes_force(plain) or calling.has_gradient(plain) or any(word_of(each) == "a" for each in plain)
+    moved = calling.POSITION in roles and (calling.VELOCITY in roles or (calling.TIME not in roles and pushed))
     return MAP if FUNCTION not in roles else FORCE if moved else FIELD
 
 
@@ -88,13 +99,18 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     given: dict[str, str] = {}
     if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
         given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
-    sized, no_roles = size_name(names), (*matrices(names), *launch(names))
-    carried = ROLES[CARRIED]  # of a and force, the latter is the function
-    asked = (each for each in names if role_of(each, (FUNCTION,)))
-    slopes = sorted(asked, key=lambda x: carried.index(word_of(x)) if word_of(x) in carried else len(carried))[:-1]
-    no_roles += tuple(each for each in slopes if role_of(each, (CARRIED,)))
+    sized, no_roles = calling.size_name(names), (*calling.matrices(names), *calling.launch(names))
+    likely = {word: i for i, word in enumerate(calling.ROLES[calling.CARRIED])}  # of a and force, the function is last
+    asked = [each for each in names if role_of(each, (FUNCTION,))]
+    slopes = sorted(asked, key=lambda x: likely.get(word_of(x), len(likely)))[:-1]
+    no_roles += tuple(each for each in slopes if word_of(each) in likely)
     for each in (name for name in names if name not in (*given, *no_roles)):
-        wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
+        wanted = (
+            FUNCTION,
+            STEP,
+            calling.TIME,
+            *((STATE,) if kind == FIELD else (calling.POSITION, calling.VELOCITY, STATE)),
+        )
         roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
         if kind != FIELD and "q" in given.values() and STATE in roles:
             roles.remove(STATE)
@@ -102,25 +118,26 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
             roles.remove(FUNCTION)
         role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
         if role is not None:
-            function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
+            function = "lambda x: -force(x)" if kind == FORCE and calling.has_gradient([each]) else function_of(kind)
             given[each] = function if role == FUNCTION else ARGUMENTS[role]
     open_names = [each for each in names if each not in given]
     if kind == FIELD:
         ambiguous = ("a", "b", "alpha") if "h" in given.values() else ()  # are the ends and the start of a run
-        for text, words in (("y", STARTS), ("t", RUN_ENDS[0]), ("t + h", RUN_ENDS[1]), ("1", COUNTS)):
+        texts = {"y": calling.STARTS, "t": calling.RUN_ENDS[0], "t + h": calling.RUN_ENDS[1], "1": calling.COUNTS}
+        for text, words in texts.items():
             known = {*words} - {*ambiguous} if text != "1" or "h" not in given.values() else set()
             if text not in given.values():
                 given |= {each: text for each in open_names if each not in given and word_of(each) in known}
     given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
     if kind == FORCE and any("force" in text for text in given.values()):
-        given |= {each: "force(q)" for each in open_names if role_of(each, (CARRIED,))}
+        given |= {each: "force(q)" for each in open_names if role_of(each, (calling.CARRIED,))}
     if kind != FIELD:
-        given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
-    if kind == MAP and not {"q", "v"} <= {*given.values()}:
-        speeds = [each for each in given if given[each] == "v" and word_of(each) not in MOMENTA]  # are no state
-        given = {each: "[q, v]" if x in ("q", "v", "y") else x for each, x in given.items() if each not in speeds}
-    if kind != FIELD:
+        ones = calling.UNIT_PARAMETERS if kind == MAP else calling.MASSES
+        given |= {each: "1.0" for each in open_names if word_of(each) in ones}
         given = {each: "0.0" if text == "t" else text for each, text in given.items()}
+    if kind == MAP and not {"q", "v"} <= {*given.values()}:
+        speeds = [x for x, text in given.items() if text == "v" and word_of(x) not in calling.MOMENTA]  # are no state
+        given = {each: "[q, v]" if x in ("q", "v", "y") else x for each, x in given.items() if each not in speeds}
     return {each: given[each] for each in names if each in given}
 
 
@@ -149,7 +166,7 @@ def call_by_names(step: Callable[..., Any], names: Sequence[str], given: Mapping
     """
     if hasattr(step, "written"):
         return str(step.written(*(given[each] for each in names)))
-    by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
+    by_place = [*(calling.parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
     passed = [f"{'' if by_place else f'{each}='}{given[each]}" for each in names]
     plain = ".py_func" if hasattr(step, "py_func") and not {"f", "force"}.isdisjoint(given.values()) else ""
     return f"{name_of(step)}{plain}({', '.join(passed)})"  # compiled code calls no function of Python
@@ -159,19 +176,3 @@ def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
     """What step i of a run is given in place of the start."""
     of_last = {"t": "t + i * h", "y": "ys[-1]", "[q, v]": "ys[-1]"} | of_last
     return {each: of_last.get(text, text) for each, text in given.items()}
-
-
-def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int = 0, found: str = "ys") -> str:
-    """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
-    steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
-    return f"def wrapped({head}, n): {begin}ys = [{states}]; {steps}; return {found}"
-
-
-def goes_straight(line: str, **scope: Any) -> bool:
-    """True if two steps of such a run, with what it names, go straight on where no force acts, or where y' = 1/2."""
-    exec(line, scope)
-    if line.startswith(f"def wrapped({HEADS[FORCE]}"):
-        found = scope["wrapped"](lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
-    else:
-        found = [y[0] for y in scope["wrapped"](lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)]
-    return [*map(float, found)] == [1.0, 1.125, 1.25]

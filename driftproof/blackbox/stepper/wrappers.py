@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +11,8 @@ from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.asked_functions import asked_step
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.function_wrappers import function_wrapper
-from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making
-from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, object_wrapper, owner_of
+from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making, object_wrapper
+from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, owner_of
 from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
 # What to write where no wrapper is known, and where a right-hand side is built in.
@@ -67,26 +67,13 @@ def uncalled(found: object) -> str:
 def increment_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that adds the state to a returned increment."""
     of_state = calling.STATE in subject.convention.order
-    return _of_call(subject, "return y + {}" if of_state else "dq, dv = {}; return q + dq, v + dv")
-
-
-def exchange_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that returns the position before the velocity."""
-    return _of_call(subject, "v1, q1 = {}; return q1, v1", function="force")
-
-
-def negation_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that turns the velocity of a sampler's step around."""
-    given = {calling.FUNCTION: "lambda x: -force(x)"} if subject.convention.factor < 0 else {}
-    return _of_call(subject, "q1, v1 = {}; return q1, -v1", "force", given)
+    return call_wrapper(subject, "return y + {}" if of_state else "dq, dv = {}; return q + dq, v + dv")
 
 
 def turn_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that puts the velocity first in a state of one array, in the argument and in the answer."""
     body = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2); return turn({})"
-    return _of_call(
-        subject, body, given={calling.FUNCTION: "lambda t, y: turn(f(t, turn(y)))", calling.STATE: "turn(y)"}
-    )
+    return call_wrapper(subject, body, function="lambda t, y: turn(f(t, turn(y)))", state="turn(y)")
 
 
 def substeps_wrapper(subject: ForeignStepper) -> str:
@@ -96,17 +83,19 @@ def substeps_wrapper(subject: ForeignStepper) -> str:
     if len(counts) != 1:
         return ""
     found = subject.convention
-    once = replace(subject, convention=replace(found, extra={**found.extra, counts[0]: 1}))
-    return _of_call(once, "return {}", "f" if found.kind == calling.FIELD else "force")
+    return call_wrapper(replace(subject, convention=replace(found, extra={**found.extra, counts[0]: 1})), "return {}")
 
 
-def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Mapping[str, str] | None = None) -> str:
-    """The wrapper that makes this of its call of the step with its own arguments, or what is `given` in their place."""
-    names = {**ARGUMENTS, calling.FUNCTION: function}
-    order = [role for role in subject.convention.order if role in names]
-    passed = names | dict(given or {})
-    texts, named = [passed[role] for role in order], subject.convention.names
-    texts = [f"{name}={text}" for name, text in zip(named, texts, strict=False)] if named else texts
-    texts += [f"{name}={x:g}" for name, x in subject.convention.extra.items()]
+def call_wrapper(subject: ForeignStepper, body: str, **given: str) -> str:
+    """The wrapper that makes this of its call of the step with its own arguments, or what is `given` for a role."""
+    convention, forced = subject.convention, subject.convention.kind == calling.FORCE
+    order = [role for role in convention.order if role in ARGUMENTS]
+    names = ARGUMENTS | ({calling.FUNCTION: "force"} if forced else {})
+    gradient = {calling.FUNCTION: "lambda x: -force(x)"} if forced and convention.factor < 0 else {}
+    passed = names | gradient | given
+    texts = [passed[role] for role in order]
+    if convention.names:
+        texts = [f"{name}={text}" for name, text in zip(convention.names, texts, strict=False)]
+    texts += [f"{name}={x:g}" for name, x in convention.extra.items()]
     call = f"{name_of(subject.function)}({', '.join(texts)})"
     return f"; write: def wrapped({', '.join(names[role] for role in order)}): {body.format(call)}"

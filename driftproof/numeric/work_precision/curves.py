@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from itertools import pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
@@ -70,6 +71,12 @@ class Order:
     slopes: int
 
 
+class Against(Enum):
+    """How a measured order stands against the claim; AGREES also if one of them is missing."""
+
+    AGREES, BELOW, ABOVE, NOT_SETTLED = "", "below", "above", "not settled"
+
+
 @dataclass(frozen=True)
 class Curve:
     """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply.
@@ -101,7 +108,13 @@ class Curve:
 
     @property
     def verdict(self) -> str:
-        """How the measured order differs from the claim; "" if they agree to the nearest integer, or one is missing.
+        """How the measured order differs from the claim, in words; "" if it does not."""
+        differs = f" the claimed order {self.claimed_order}" * (self.against in (Against.BELOW, Against.ABOVE))
+        return self.against.value + differs
+
+    @property
+    def against(self) -> Against:
+        """How the measured order differs from the claim: not if they agree to the nearest integer, or one is missing.
 
         Slopes that lie a whole order apart contradict no claim: they are "not settled", and so are fewer than SLOPES.
         So are those of an error that fell as claimed before and then stays, as where equal steps are too long for an
@@ -109,15 +122,15 @@ class Curve:
         """
         found = self.order
         if found is None or not self.claimed_order:
-            return ""
+            return Against.AGREES
         fell = [a + b for a, b in pairwise(self._slopes[: -found.slopes]) if a + b > 2 * self.claimed_order - 1]
         if found.largest - found.least >= 1 or (fell and self.consistent and found.largest < STAYS):
-            return "not settled"
+            return Against.NOT_SETTLED
         if round(found.median) == self.claimed_order:
-            return ""
+            return Against.AGREES
         if found.slopes < SLOPES:
-            return "not settled"
-        return f"{'below' if found.median < self.claimed_order else 'above'} the claimed order {self.claimed_order}"
+            return Against.NOT_SETTLED
+        return Against.BELOW if found.median < self.claimed_order else Against.ABOVE
 
 
 def counts(point: Point) -> bool:

@@ -23,6 +23,7 @@ class Timing:
     batch: int = 1
     samples: list[float] = field(default_factory=list)
     remark: str = ""  # why the call was not timed
+    too_long: bool = False  # whether that is why
 
     @property
     def best(self) -> float:

@@ -11,7 +11,7 @@ from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, lasting
+from driftproof.numeric.work_precision.curves import Against, Curve, Point, curve_of, lasting
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
@@ -113,7 +113,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}) -> str:
             continue
         measured = "–"
         if (x := curve.order) is not None:
-            settled = x.largest - x.least < 1 and curve.verdict != "not settled"
+            settled = x.largest - x.least < 1 and curve.against is not Against.NOT_SETTLED
             measured = f"{f'{x.median:.3f}' if settled else 'not settled'} ({x.least:.3f} to {x.largest:.3f})"
             measured += f", {curve.verdict}" * bool(settled and curve.verdict)
         most = max((point.steps or 0 for point in curve.points), default=0)

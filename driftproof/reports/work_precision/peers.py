@@ -7,6 +7,7 @@ and relative; it chooses its steps itself. What has to be compiled is compiled b
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import import_module
 from math import inf
@@ -160,25 +161,29 @@ class _Heyoka(Solver):
 
 
 class _Diffrax(Solver):
-    """diffrax.diffeqsolve compiled by jax, once for all tolerances, in binary64."""
+    """diffrax.diffeqsolve compiled by jax, once for all tolerances; for these calls jax is set to binary64."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
         self.jax, self.diffrax, self.solver = import_module("jax"), import_module("diffrax"), solver
-        self.jax.config.update("jax_enable_x64", True)
+        home = self.jax if hasattr(self.jax, "enable_x64") else import_module("jax.experimental")  # before version 0.8
+        self.in_binary64: Callable[[bool], AbstractContextManager[None]] = home.enable_x64
         self.numpy = self.jax.numpy
         self.rate = field_rate(problem.field, functions_of(self.numpy))
-        self.start, self.calls = self.numpy.array(float_start(problem)), 0
+        with self.in_binary64(True):
+            self.start, self.calls = self.numpy.array(float_start(problem)), 0
         self.compiled, self.counting = (self.jax.jit(self._solver(counting=counting)) for counting in (False, True))
 
     def solve(self, tolerance: float, t: float) -> State:
-        return self._result(self.compiled(t, tolerance))
+        with self.in_binary64(True):
+            return self._result(self.compiled(t, tolerance))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
         """The calls of f in the compiled code, counted by a callback: slowly, so only for a solve that arrives."""
         self.solve(tolerance, t)
         self.calls = 0
-        self._result(self.counting(t, tolerance))
-        self.jax.effects_barrier()
+        with self.in_binary64(True):
+            self._result(self.counting(t, tolerance))
+            self.jax.effects_barrier()
         return self.calls
 
     def _result(self, found: Any) -> State:

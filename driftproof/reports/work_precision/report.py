@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Curve, Point, lasting
+from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
@@ -26,7 +26,7 @@ from driftproof.support.plain_text import Json, as_json, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, COMPILED: "compiled", PYTHON: "Python", ENSEMBLE: "ensemble, per state"}
 # Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
-_EXPLAINED = {"order reduction": ("below",), KINKED: ("below", "not settled")}
+_EXPLAINED = {"order reduction": (Against.BELOW,), KINKED: (Against.BELOW, Against.NOT_SETTLED)}
 # Characters of a step size that is shown as a fraction.
 _LONGEST_STEP = 12
 _Key = TypeVar("_Key")
@@ -58,7 +58,7 @@ def errors_json(study: Study, measured: Measured) -> Json:
             "floors": floors(problem),
             "curves": [_curve_json(curve) for curve in measured.curves.values()],
             "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
-            **({} if study.error is None else {"least_work": _least_work_json(study.error, measured)}),
+            **({"least_work": [_least_work_json(goal, measured) for goal in study.wanted]} if study.wanted else {}),
         }
     )
 
@@ -181,7 +181,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     from driftproof.symbolic.claimed_orders import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
-    goals = GOALS if study.error is None else [study.error]
+    goals = study.wanted or GOALS
     parts = [
         _head(study),
         table(order_rows(measured, _reduces(study.problem), stated_orders(study.methods)), right=(1,)),
@@ -195,14 +195,15 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         largest = _work_text(study, least_work(measured, goal, "largest"))
         told = f"By the largest error on the way: {largest}"
         parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
-    if any("not reached by N" in part for part in parts):
-        implicit = MOST_FOR_GOAL if study.error is not None and has_numba() else MOST_IMPLICIT
+    if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
+        implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
-    if study.error is not None:
-        best = _work_text(study, least_work(measured, study.error, "final"))
-        time = _least_time_text(study, measured, study.error)
-        parts.insert(0, f"For an error of at most {goal_text(study.error)} at the end, {best}{time}")
-    parts.insert(study.error is not None, stiff)
+    wanted = [
+        f"For an error of at most {goal_text(goal)} at the end, "
+        f"{_work_text(study, least_work(measured, goal, 'final'))}{_least_time_text(study, measured, goal)}"
+        for goal in study.wanted
+    ]
+    parts = [*wanted, stiff, *parts]
     return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
 
 
@@ -228,7 +229,7 @@ def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] 
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
-        reduced = f": {reduces}" * curve.verdict.startswith(_EXPLAINED.get(reduces, ()))
+        reduced = f": {reduces}" * (curve.against in _EXPLAINED.get(reduces, ()))
         least = _least_error(curve)
         rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
@@ -272,9 +273,15 @@ def _missed(curve: Curve, goal: float) -> str:
     """Why no point of the curve is said to meet the goal."""
     if min(p.error for p in curve.points) <= goal:
         return "met, but not in finer runs"
+    most = _untried(curve, goal)
+    return f"{f'not reached by N = {most}' if most else 'not met'}: {_least_error(curve)}"
+
+
+def _untried(curve: Curve, goal: float) -> int:
+    """The most steps of a curve that misses the goal, if more were not tried and it is above the floor; else 0."""
     *_, last = None, *(point for point in curve.points if isfinite(point.error))
-    more = last and last.steps and last.error > last.doubt  # steps were not tried, and the floor is not reached
-    return f"{f'not reached by N = {last.steps}' if last and more else 'not met'}: {_least_error(curve)}"
+    missed = last and last.error > last.doubt and min(p.error for p in curve.points) > goal
+    return (last.steps or 0) if last and missed else 0
 
 
 def goal_text(goal: float) -> str:
@@ -318,12 +325,12 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
     absent = _grouped(((name.split(" | ")[1], why), name.split(" | ")[0]) for name, why in measured.absent.items())
     lines += [f"no times ({_LABELS[kind]}) for {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
-    over = Counter(name.split(" | ")[0] for name, timing in measured.timings.items() if timing.remark[:6] == "about ")
+    over = Counter(name.split(" | ")[0] for name, timing in measured.timings.items() if timing.too_long)
     if over:
         counts = ", ".join(f"{key} {count}" for key, count in over.items())
         lines.append(f"not timed, being longer than {study.limit:g} s (--time-limit): points of {counts}")
 
-    marked = (name.split(" | ") for name, t in measured.timings.items() if t.remark and t.remark[:6] != "about ")
+    marked = (name.split(" | ") for name, t in measured.timings.items() if t.remark and not t.too_long)
     untimed = _grouped((f"{key} ({_LABELS[kind]})", setting) for key, kind, setting in marked)
     lines += [f"not timed: {whose} at {', '.join(settings)}" for whose, settings in untimed.items()]
     spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
@@ -333,9 +340,9 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
     lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
-    if study.error is not None:
+    if study.wanted:
         lines.append(
-            "For that error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
+            "For such an error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
         )
     lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
     lines.append("-: nothing to measure, or no point with an error.")

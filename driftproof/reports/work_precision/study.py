@@ -81,13 +81,13 @@ def per_state(kind: str, seconds: float) -> float:
 
 @dataclass(frozen=True)
 class Study:
-    """The question: the methods and peers, the problem, for how many seconds a point may be timed, the error wanted."""
+    """The question: the methods and peers, the problem, how many seconds a point may be timed, the errors wanted."""
 
     problem: Problem
     methods: Sequence[Entry]
     peers: Sequence[Peer]
     limit: float
-    error: float | None = None
+    wanted: Sequence[float] = ()
 
     def question(self) -> dict[str, Any]:
         """All that the answers depend on, as JSON; points that answer another question are not reused."""
@@ -266,10 +266,9 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             with stage(f"errors of {one.key}"):
                 measured.curves[one.key] = one.curve()
             store.save()
-        if study.error is not None:
-            with stage(f"errors of {one.key} near {study.error:g}"):
-                curve = measured.curves[one.key]
-                measured.curves[one.key] = replace(curve, points=one.for_goal(curve, goal=study.error))
+        if study.wanted:
+            with stage(f"errors of {one.key} near those wanted"):
+                measured.curves[one.key] = _with_points_for(study.wanted, one, measured.curves[one.key])
             store.save()
         progress(0, 1)
     for one in everybody:
@@ -289,6 +288,17 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
     return measured
 
 
+def _with_points_for(goals: Sequence[float], one: _Contestant, curve: Curve) -> Curve:
+    """The curve with the points that the goals ask for, and without those between that belong to others."""
+    between = dict[str, Point]()
+    for goal in goals:
+        curve = replace(curve, points=one.for_goal(curve, goal=goal))
+        between |= {point.setting: point for point in curve.points if point.between}
+    doubled = [point for point in curve.points if not point.between]
+    refined = lambda point: point.steps or -float(point.setting)
+    return replace(curve, points=sorted([*doubled, *between.values()], key=refined))
+
+
 def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
     """The calls of the points that have errors, each with a timing begun; those not to be timed get a remark."""
     calls: dict[str, Callable[[], object]] = {}
@@ -301,11 +311,12 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
         seconds, before = _warm_up(measured, curve, kind, call_at, points), sizes[0]
         for name, point, size in zip(names, points, sizes, strict=True):
             call, expected = call_at(point), seconds * size / before
-            remark = f"about {expected:.2g} s, over {study.limit:g} s" if expected > study.limit else ""
+            too_long = expected > study.limit
+            remark = f"about {expected:.2g} s, over {study.limit:g} s" if too_long else ""
             if not remark and kind != integrators.ENSEMBLE:
                 remark = state_remark(study.problem, point, call)
             if remark:
-                measured.timings.setdefault(name, Timing(remark=remark))
+                measured.timings.setdefault(name, Timing(remark=remark, too_long=too_long))
                 continue
             begun, seconds = started(call)
             before, calls[name] = size, call

@@ -117,11 +117,14 @@ class LinearSystem:
         """True if all numerical solutions are bounded, h > 0. May raise UndecidedLimitError."""
         return all(self.part_is_bounded(eigenvalue, h) for eigenvalue, _ in self.bounds)
 
-    def stiffest_factor(self, h: Fraction) -> CertifiableReal:
-        """The largest `factor_at` of those eigenvalues of A of which no other one is known to be larger in modulus."""
+    def stiffest(self) -> list[Eigenvalue]:
+        """The eigenvalues of A of which no other one is known to be larger in modulus."""
         sizes = [(e, abs(ball_of(e))) for e, _ in self.bounds]
-        stiffest = [e for e, size in sizes if not any(other > size for _, other in sizes)]
-        return reduce(_larger, (self.factor_at(e, h) for e in stiffest))
+        return [e for e, size in sizes if not any(other > size for _, other in sizes)]
+
+    def stiffest_factor(self, h: Fraction) -> CertifiableReal:
+        """The largest `factor_at` of the `stiffest` eigenvalues."""
+        return reduce(_larger, (self.factor_at(e, h) for e in self.stiffest()))
 
 
 def _larger(x: CertifiableReal, y: CertifiableReal) -> CertifiableReal:

@@ -1,11 +1,15 @@
 """The runner sees what arithmetic a stepper has, makes each trial once, and says what came of it."""
 
+import gc
 import math
+from dataclasses import replace
+from weakref import ref
 
 import numpy as np
 import pytest
 
 from driftproof.blackbox.checks import trials
+from driftproof.blackbox.checks.arguments import zero_step
 from driftproof.blackbox.checks.trials import CheckResult, TrialRunner, Unsteady, same, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
@@ -54,6 +58,22 @@ def test_a_trial_is_made_once():
     calls = subject.log.calls
     assert runner.trial(1.0, 2.0, 0.5) is runner.trial(1.0, 2.0, 0.5)
     assert subject.log.calls == calls + 1
+    assert steady_runner(subject) is runner
+    assert steady_runner(replace(subject)) is not runner
+    gone = ref(subject)
+    del subject, runner
+    gc.collect()
+    assert gone() is None
+
+
+def test_what_is_raised_is_told_by_its_class_not_by_its_words():
+    def refusing(q, v, h):
+        if h == 0:
+            raise ValueError("h = 0 would be a ZeroDivisionError")
+        return habits.plain(q, v, h)
+
+    (result,) = zero_step(opened(refusing))
+    assert (result.holds, result.what) == (None, "")
 
 
 def test_numbers_are_the_same_with_their_signs_and_as_nan():
@@ -103,6 +123,9 @@ def test_small_numbers_with_as_many_bits_as_large_ones_are_those_of_a_format(bit
     assert (grain and grain.size) == size
     assert trials.quantisation_of([2.0**23, -(2.0**1000)]) is None  # whole, as every float of such a size
     assert trials.quantisation_of([2.0**23 - 1, -(2.0**40)]).size == 1
+    assert (
+        trials.quantisation_of([x * 1e5 for x in STATES]) is None
+    )  # with eleven decimals, as every float of such a size
 
 
 def test_a_narrower_format_is_seen_in_the_numbers():

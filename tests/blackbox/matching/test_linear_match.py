@@ -12,7 +12,7 @@ from driftproof.blackbox.matching.equivalent_methods import Rates, all_matrices,
 from driftproof.blackbox.matching.linear_candidates import FORWARDS, Error, LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit, Nearest, fitted, linear_fit
 from driftproof.blackbox.matching.matrix_facts import MatrixFacts
-from driftproof.blackbox.probes.linear_steps import FAR_OUT, LINEAR, LINEARISED, NOT_LINEAR, LinearReading
+from driftproof.blackbox.probes.linear_steps import LINEAR, LINEARISED, NOT_LINEAR, LinearReading
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4, symplectic_euler
@@ -257,7 +257,7 @@ FITS = {
     "near": LinearFit(LINEARISED, 2.0**-40, "binary64", *ONE, (candidate("rk4"),), Nearest(("a",), 0.5, 1e-3)),
     "the same": LinearFit(NOT_LINEAR, 1.0, "binary64", nearest=Nearest(("a",), 0.5, 0.0), remarks=("so", "too")),
     "nearly": LinearFit(LINEAR, 1.0, "binary64", Q(1, 3), Q(-2), nearly=Nearest(("a",), 0.5, 1.25e-7)),
-    "far out": LinearFit(LINEAR, 1.0, "binary64", Q(1), Q(1), remarks=(f"{FAR_OUT}: at 7",)),
+    "far out": LinearFit(LINEAR, 1.0, "binary64", Q(1), Q(1), remarks=("not linear far out: at 7",), limited=True),
     "back": LinearFit(LINEAR, 1.0, "binary64", Q(-1), Q(-1), (candidate("rk4"),)),
     "without a force": LinearFit(LINEAR, 1.0, "binary64", Q(1), Q(0), (candidate("rk4"),)),
     "unknown": LinearFit(NOT_LINEAR, 1.0, "binary64", Q(2)),

@@ -88,10 +88,6 @@ def test_a_right_one_passes_and_its_start_is_whose_calls_it():
     assert verify(of_the_wrong_end, "adams_bashforth2", isolate=False).passed is False
 
 
-def test_a_step_of_no_earlier_slopes_is_left_alone():
-    assert with_slopes_kept(of_plain := lambda f, t, y, h: y + h * f(t, y)) is of_plain
-
-
 ESTIMATE, OTHER = lambda k, last, y, h: h / 2 * (k - last), lambda k, last, y, h: y + h * k
 
 

@@ -118,6 +118,12 @@ class Rope:
     def integrate(self, dt):
         doubled = self.pos.plus(self.pos, 1).plus(self.prev, -1)
         self.prev, self.pos = self.pos, doubled.plus(self.get_accel(self.pos), 1/1 * dt * dt)
+
+class VerletPoint:
+    def __init__(self, x, x_prev):
+        self.x, self.x_prev = x, x_prev
+    def advance(self, accel, dt):
+        self.x_prev, self.x = self.x, 2 * self.x - self.x_prev + dt**2 * accel(self.x)
 """
 STEPPER_OF = "from driftproof import stepper_of; wrapped = stepper_of("
 KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted, and what that says
@@ -127,7 +133,6 @@ KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted
      f"{STEPPER_OF}Env, state=\"state\", advance=lambda made, h: (setattr(made, 'tau', h), made.step()))"),
     ("Moving", "symplectic_euler", True, f"{STEPPER_OF}lambda force: Moving(force, 1.0, 0.1, NAME), "
      'position="x", velocity="v", advance=lambda made, h: (setattr(made, \'dt\', h), made.step()))'),
-    ("Moving", "velocity_verlet", False, ""),
     ("Sampler", "symplectic_euler", True, f"{STEPPER_OF}lambda force: Sampler(lambda x: -force(x), 0.1), "
      'position="x", velocity="v", advance=lambda made, h: (setattr(made, \'dt\', h), made.step()))'),
     ("Flow", "heun2", True,
@@ -138,6 +143,9 @@ KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted
     ("Late", "symplectic_euler", False, 'position="y", velocity="vy"'),
     ("Steered", "forward_euler", None, "lambda made, h: made.step(0.0, h)"),
     ("Drive", "midpoint2", None, ""), ("Joint", "symplectic_euler", True, ""),
+    ("VerletPoint", "stormer2", True, "made = VerletPoint(0.0, 0.0); made.x, made.x_prev = q, q - h * v + h**2 / 2 * "
+     "force(q); ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append((made.advance(force, h), 1.0 * made.x)[-1]) "
+     "for i in range(n)]; return ys[1:], [v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"),
     ("Point", "stormer2", True, ""), ("Bead", "stormer2", True, ""), ("Rope", "stormer2", True, ""),
 ]  # fmt: skip
 

@@ -50,10 +50,6 @@ def test_bodies_in_the_plane_alone_are_opened():
     assert keys_of(step) == ("velocity_verlet",)
 
 
-def test_most_styles_are_opened_as_they_are_written():
-    assert sum(not style.wrapper for style in STYLES) >= 32
-
-
 def test_a_vector_holds_no_more_numbers_than_it_has():
     for vector, size in zip(VECTORS, (2, 3), strict=True):
         assert vector.write([0.25] * (size - 1)).tolist() == [*[0.25] * (size - 1), 0.0]

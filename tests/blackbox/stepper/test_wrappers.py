@@ -26,6 +26,8 @@ def test_a_style_that_is_refused_shows_a_wrapper_which_works_when_it_is_pasted(s
 def test_an_increment_of_position_and_velocity_is_told_apart_from_a_step_that_is_damped():
     with pytest.raises(Increment, match=re.escape("def wrapped(q, v, h): dq, dv =")):
         opened(lambda q, v, h: (h * v, -h * q))
+    with pytest.raises(Increment, match=re.escape("(q, v, lambda x: -force(x), h); return q + dq, v + dv")):
+        opened(lambda q, p, grad_U, h: (h * p, -h * grad_U(q)))
     assert opened(lambda q, v, h: (0.25 * q, 0.25 * v)).step(1.0, 1.0, 0.5) == (0.25, 0.25)
 
 

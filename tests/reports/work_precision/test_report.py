@@ -70,13 +70,13 @@ def three_curves():
 
 
 def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_the_end():
-    asked = replace(study("rk4"), error=2.5e-4)
+    asked = replace(study("rk4"), wanted=[2.5e-4])
     shown = report.study_text(asked, three_curves())
     first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n\n"
     assert shown.startswith(first)
     assert "\n\nBy the largest error on the way: steady with h = 1/2, N = 20: 20 evaluations\n" in shown
     assert shown.count("Least work for an error at the end of at most") == 1
-    found = report.errors_json(asked, three_curves())["least_work"]
+    (found,) = report.errors_json(asked, three_curves())["least_work"]
     assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")
     timed = three_curves()
     for key, setting, seconds in (("lucky", "16", 3e-6), ("steady", "20", 2e-6), ("floor", "16", 1e-6)):
@@ -85,7 +85,7 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     assert "evaluations\nIn the least time (Python), steady with h = 1/2, N = 20: 2.00 µs\n\n" in shown
     timed.timings[timing_name("lucky", "compiled", "16")] = Timing(samples=[1e-6])
     assert "In the least time (compiled), lucky with h = 5/8, N = 16: 1.00 µs\n\n" in report.study_text(asked, timed)
-    none = report.study_text(replace(asked, error=1e-9), three_curves())
+    none = report.study_text(replace(asked, wanted=[1e-9]), three_curves())
     assert none.startswith("For an error of at most 1e-9 at the end, none of these runs\n\n")
 
 
@@ -110,7 +110,7 @@ def test_what_was_not_tried_is_not_said_to_be_not_met():
     assert met == ["not reached by N = 16: 1.0e-4", "not reached by N = 20: 1.0e-4", "not met: 0.001"]
     shown = report.study_text(study("rk4"), measured)
     assert "Longer runs than those are not made: 1048576 steps, of implicit methods 1024, at most" in shown
-    assert "Longer runs" not in report.study_text(replace(study("rk4"), error=2e-4), measured)
+    assert "Longer runs" not in report.study_text(replace(study("rk4"), wanted=[2e-4]), measured)
 
 
 ERRORS = {0.0: "0", 0.001: "0.001", 99.4: "99", 100.0: "1.0e2", 0.00099: "9.9e-4", 1e-12: "1.0e-12"}

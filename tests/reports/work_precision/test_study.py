@@ -205,9 +205,9 @@ def test_the_largest_tolerance_for_an_error_is_among_one_two_and_five():
 
 def test_an_error_that_is_wanted_is_met_with_fewer_steps_than_a_doubling():
     """To leading order RK4 errs by 10 h⁴/120, which is 0.00998 for N = 17, and 0.0127 for N = 16."""
-    found = measure(dataclasses.replace(study("rk4"), error=1e-2), None, unheard)
-    assert [point.steps for point in found.curves["rk4"].points if point.between] == [17]
-    text = study_text(dataclasses.replace(study("rk4"), error=1e-2), found)
+    found = measure(dataclasses.replace(study("rk4"), wanted=[1e-2, 1e-1]), None, unheard)
+    assert [point.steps for point in found.curves["rk4"].points if point.between] == [10, 17]
+    text = study_text(dataclasses.replace(study("rk4"), wanted=[1e-2, 1e-1]), found)
     assert "rk4 with h = 10/17, N = 17: 68 evaluations" in text
     assert "the fewest steps are found to a sixteenth" in text
     assert "sixteenth" not in study_text(study("rk4"), found)

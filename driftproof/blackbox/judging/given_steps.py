@@ -1,0 +1,315 @@
+"""The steps of a stepper beside a method's own on a system whose slopes are given, to the rounding of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+from math import cos, pi, sqrt
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+from flint import arb
+
+from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
+from driftproof.blackbox.judging.agreement import NOT_BACK
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
+from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
+from driftproof.blackbox.judging.own_system import COMPARED, SEEN_BENT, TIMES, OwnSteps, ends_in_words, table_step
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.state_objects import NUDGES
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import STATE, TIME, role_of
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.records import parts_of
+from driftproof.methods.catalogue import of_one_state
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting
+from driftproof.support.plain_text import counted
+
+# What rounding may cost is seen on the method's own step: it is made again so many times, with each number that f gets
+# and gives, and each that the step begins with, off at random by up to so many u, as after sums and products in a row.
+# Such errors hardly ever add up as they might: the farthest end of eight counts four times, which is more than the sum
+# of all of them in their worst signs as long as they are fewer than some forty.
+_SAMPLES, _ROUNDED, _WORST = 8, 16, 4
+# A code that computes with larger numbers than f does, such as degrees above the absolute zero, rounds more than that.
+# Its own rounding shows as a difference from the method's step that jumps from state to state, while what is wrong in
+# it hardly changes between states that agree in half of their digits.
+# Stages are iterated until they change by no more: far above the rounding of sums, and below the tolerance of solvers.
+_SETTLED = 2.0**-44
+# How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
+# ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
+_FARTHER, _SMALL = 4, 2.0**-10
+
+
+class Beside(NamedTuple):
+    """The end of a step and that of the method's; how far it is off, and in words if that is too far, else "".
+
+    It is `rough` if its own rounding explains that, and that of the method's step does not.
+    """
+
+    end: list[float]
+    told: list[float]
+    off: float
+    wrong: str
+    rough: bool
+
+
+@dataclass(frozen=True)
+class GivenSteps(OwnSteps):
+    """The steps of a stepper, and the slopes of the system that it should have."""
+
+    rates: Callable[[float, Sequence[float]], list[float]] = lambda t, y: [*y]
+
+    @cached_property
+    def problem(self) -> NonlinearProblem:
+        """The system that is given."""
+
+        def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+            return [arb(x) for x in self.rates(float(t), [float(x) for x in y])]
+
+        return NonlinearProblem("the system given", rate, lambda t: [arb(0)] * self.size, self.size // 2)
+
+    def slopes(self, t: float, y: Sequence[float]) -> list[float]:
+        """The slopes, which nothing measures."""
+        return self.rates(t, y)
+
+    @property
+    def _half(self) -> float:
+        """The root of u: what is known to it has half of its digits."""
+        return sqrt(self.subject.format.u)
+
+    @cached_property
+    def clock(self) -> str:
+        """The name of the time in a record; "" if the state is none, or holds no time."""
+        if self.subject.adapter.with_parameters is None:
+            return ""
+        parts = parts_of(self.subject.adapter.write([*self.states[0]]))
+        return next((name for name in parts if role_of(name, (TIME,))), "")
+
+    @property
+    def times(self) -> Sequence[float]:
+        """A step that takes no time begins at 0."""
+        return TIMES if self.clock or TIME in self.subject.convention.order else TIMES[:1]
+
+    @property
+    def untimed(self) -> bool:
+        """True if the slopes depend on a time that the step does not take."""
+        with suppress(ArithmeticError):
+            pairs = product(self.states, (TIMES[1], *(self.unit * share for share in COMPARED)))
+            return self.times != TIMES and any(self.rates(t, y) != self.rates(0.0, y) for y, t in pairs)
+        return False
+
+    @cached_property
+    def pushed(self) -> bool:
+        """True if forces depend on velocities, or velocities on positions: a splitting does not say which."""
+        half, twice = self.size // 2, [1.0] * (self.size // 2) + [2.0] * (self.size - self.size // 2)
+        with suppress(ArithmeticError):
+            for y in self.states:
+                here, faster, farther = (
+                    self.rates(0.0, [x * by for x, by in zip(y, way, strict=True)])
+                    for way in ([1.0] * self.size, twice, [3.0 - by for by in twice])
+                )
+                if here[half:] != faster[half:] or here[:half] != farther[:half]:
+                    return True
+        return False
+
+    def end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
+        """The end of a step; the clock of a record is set."""
+        adapter = self.subject.adapter
+        if not self.clock or adapter.with_parameters is None:
+            return super().end(t, y, h)
+        at_time = replace(adapter, write=adapter.with_parameters({self.clock: t}).write)
+        return replace(self.subject, adapter=at_time).step_state(y, h, t)
+
+    def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
+        """The method's step; of a splitting, each part asks where the one before it ends."""
+        if isinstance(method, RungeKutta | Collocation):
+            return table_step(method, self.rates, t, y, h, _SETTLED)
+        if not isinstance(method, Splitting):
+            return super().step(method, t, y, h)
+        if self.size % 2:
+            raise MethodError("it is not q' = c v, v' = F(q)")
+        half, moved = self.size // 2, t
+        end: Array = np.array(y, dtype=float)
+        for kind, share in method.parts:
+            part = slice(half, None) if kind == "kick" else slice(half)
+            end[part] += float(share) * h * np.array(self.rates(moved, end.tolist()))[part]
+            moved += float(share) * h * (kind != "kick")
+        return [float(x) for x in end]
+
+    def _number(self, x: float) -> float:
+        """The number of the stepper's format nearest to x."""
+        return float(self.subject.format.nearest(Fraction(x)))
+
+    def _rounded(self, method: Method, t: float, y: Sequence[float], h: float, draw: Random) -> list[float]:
+        """The method's step with all numbers off at random."""
+        u = _ROUNDED * float(self.subject.format.u)
+
+        def off(numbers: Iterable[float]) -> list[float]:
+            return [x * (1 + u * draw.uniform(-1, 1)) for x in numbers]
+
+        unsure = replace(self, rates=lambda t, y: off(self.rates(off([t])[0], off(y))))
+        return off(unsure.step(method, t, off(y), h))
+
+    def _jumps(self, method: Method, t: float, y: Sequence[float], h: float, off: Array, draw: Random) -> Array:
+        """The largest jump of the difference from the method's step, from a state to its neighbours."""
+        jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
+        for _ in range(_SAMPLES):
+            z = [self._number(x + self._half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
+            jumps = np.maximum(jumps, np.abs(np.subtract(self.end(t, z, h), self.step(method, t, z, h)) - off))
+        return jumps
+
+    def beside(self, wanted: Specification, t: float, y: Sequence[float], h: float) -> Beside:
+        """One step beside the method's.
+
+        Raises ArithmeticError where the method has none, or where rounding leaves less than half of its digits.
+        """
+        method, draw = of_one_state(wanted.method), Random(0)
+        with np.errstate(all="ignore"):
+            told = self.step(method, t, y, h)
+            ends = [self._rounded(method, t, y, h, draw) for _ in range(_SAMPLES)]
+            allowed = _WORST * np.abs(np.subtract(ends, told)).max(axis=0)
+        size = max(map(abs, (*y, *told)))
+        if not allowed.max() <= self._half * size:
+            raise ArithmeticError("rounding leaves less than half of its digits")
+        if not method.explicit:
+            solved = BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
+            allowed = allowed + _SETTLED * size + solved * (1 + size)
+        seen = [float(x) for x in self.end(t, y, h)]
+        off = np.subtract(seen, told)
+        right = rough = bool((np.abs(off) <= allowed).all())
+        if not right:
+            with suppress(Misbehaviour, ArithmeticError):
+                jumps = _WORST * self._jumps(method, t, y, h, off, draw)
+                small = jumps.max() <= self._half * max(size, *map(abs, self.states[0]))
+                right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
+        at = f" at t = {t:g}" * bool(t)
+        wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
+        return Beside(seen, told, self._apart(y, seen, told), wrong * (not right), right and not rough)
+
+    def _whole_turns(self, t: float, one: Beside) -> bool:
+        """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
+        turns = np.subtract(one.end, one.told) / (2 * pi)
+        slopes, others = self.rates(t, one.end), self.rates(t, one.told)
+        same = np.allclose(slopes, others, self._half, self._half * max(map(abs, others)))
+        return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self._half)
+
+    def near(self, wanted: Specification, about: str = "") -> StepFinding:
+        """Compare steps of ordinary size with the method's; `about` is the system in words.
+
+        Steps without an answer, and those that the method does not have, are left out. Raises MethodError if all are,
+        or if slopes hardly change in the others.
+        """
+        found, bent, why = list[Beside](), 0.0, ""
+        # Besides the states at which the system was seen, as many near them, so that none fits by chance.
+        near = [tuple(x * (1 + cos(7 + 3 * k) / 4) for k, x in enumerate(y)) for y in self.states]
+        for t, share, y in product(self.times, COMPARED, [*self.states, *near]):
+            h = min(share * self.unit, wanted.domain.largest_step)
+            try:
+                found.append(one := self.beside(wanted, t, y, h))
+                if one.wrong:
+                    return StepFinding(False, one.wrong)
+                bent = max(bent, h * self._apart(y, self.rates(t, y), self.rates(t + h, one.told)))
+            except (Misbehaviour, ArithmeticError) as left_out:
+                why = str(left_out)
+        if bent < SEEN_BENT:
+            raise MethodError(why or "in a step of it slopes hardly change")
+        asked = self.pushed and isinstance(of_one_state(wanted.method), Splitting)
+        pushed, off = ", its force asked with the velocity before each kick" * asked, max(one.off for one in found)
+        digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
+        rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
+        return StepFinding(True, f"is {wanted.method.key} on the system given{about}{pushed}, {digits}{rough}")
+
+    def _elsewhere(self, wanted: Specification) -> Iterator[tuple[float, Sequence[float], float]]:
+        """Yield steps (t, y, h) from small and from larger states, and longer ones, up to the largest of the domain."""
+        far, longest, h = wanted.domain.largest_state, wanted.domain.largest_step, self.unit * COMPARED[0]
+        for t, y in product(self.times, self.states):
+            ratio = max(1.0, far / max(map(abs, y)))
+            for by in (_SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
+                yield t, [self._number(x * by) for x in y], min(h, longest)
+            for i in range(1, _FARTHER + 1):
+                if h < longest:
+                    yield t, y, h * (longest / h) ** (i / _FARTHER)
+
+    def elsewhere(self, wanted: Specification) -> StepFinding:
+        """Compare steps from small and large states, and long ones; None if none of them can be compared."""
+        states, steps, refused, turned = list[float](), list[float](), list[str](), False
+        for t, y, h in self._elsewhere(wanted):
+            try:
+                one = self.beside(wanted, t, y, h)
+                turned |= (turns := one.wrong != "" and self._whole_turns(t + h, one))
+            except Misbehaviour as error:
+                refused.append(str(error))
+            except ArithmeticError:
+                pass
+            else:
+                if one.wrong and not turns:
+                    return StepFinding(False, one.wrong)
+                states.append(max(map(abs, y)))
+                steps.append(h)
+        told = [f"no answer to {counted(len(refused), 'step')} elsewhere: {refused[0]}"] if refused else []
+        told += ["angles come back without whole turns"] if turned else []
+        if steps:
+            reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
+            told += [f"{counted(len(steps), 'step')} elsewhere agree, {reach}"]
+        words = "; ".join(told) or f"{wanted.method.key} has no steps with half of their digits elsewhere"
+        return (Remarked if refused or turned else StepFinding)(steps != [] or None, words)
+
+    def back(self, wanted: Specification) -> StepFinding:
+        """Compare steps with h < 0, as `steps_back` does of q'' = -q."""
+        if not wanted.method.explicit:
+            return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
+        h, found = -min(self.unit * COMPARED[0], wanted.domain.largest_step), 0
+        for t, y in product(self.times, self.states):
+            try:
+                one = self.beside(wanted, t, y, h)
+            except Misbehaviour as error:
+                return StepFinding(None, f"h < 0 is refused: {error}")
+            except ArithmeticError:
+                continue
+            if one.wrong:
+                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.wrong)
+            found += 1
+        return StepFinding(found > 0 or None, f"{found} steps with h < 0 agree")
+
+    def few(
+        self, subject: ForeignStepper, wanted: Specification, nudges: Sequence[float] = NUDGES
+    ) -> tuple[str, list[tuple[float, ...]]]:
+        """What is wrong with a few successive steps of the stepper in some form, "" if nothing is; and their ends."""
+        steps, y, seen = replace(self, subject=subject), [*self.states[-1]], list[tuple[float, ...]]()
+        h, t = min(self.unit * COMPARED[0], wanted.domain.largest_step), 0.0
+        for nudge in nudges:
+            try:
+                one = steps.beside(wanted, t, [self._number(nudge * x) for x in y], h)
+            except ArithmeticError:  # the method has no step there
+                break
+            if one.wrong:
+                return one.wrong, seen
+            y = one.end
+            seen.append(tuple(y))
+            t += h * (self.times == TIMES)  # which the clock of a record returned shows
+        if wanted.method.explicit and self.clock:  # which goes back as well
+            with suppress(Misbehaviour):
+                steps.end(t, y, -h)
+        return "", seen
+
+    @property
+    def of_two(self) -> ForeignStepper:
+        """The stepper with its first two numbers alone, or the first position and velocity; the others are kept."""
+        subject, taken = self.subject, 2 if STATE in self.subject.convention.order else 1
+        rest = [*self.states[0]][taken : None if taken == 2 else self.size // 2]
+        if not rest:
+            return subject
+        adapter = ARRAYS if subject.adapter is SCALARS else subject.adapter
+        first = replace(
+            adapter,
+            name=f"the first of {adapter.name}",
+            write=lambda numbers: adapter.write([*numbers, *rest]),
+            read=lambda value, size: adapter.read(value, size + len(rest))[:size],
+        )
+        return replace(subject, adapter=first)
