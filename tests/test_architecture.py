@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5528,
+    "methods": 5513,
     "symbolic": 10767,
-    "numeric": 4394,
+    "numeric": 4464,
     "blackbox": 22663,
-    "enclosure": 5585,
+    "enclosure": 5682,
     "texts": 10672,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6188
+BUDGET_OF_REPORTS_AND_FRONT = 6194
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

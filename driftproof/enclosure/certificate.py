@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import MAX_EMAX, MAX_PREC, MIN_EMIN, Context, Decimal
+from fractions import Fraction
 from html import escape
 from typing import TypeAlias
 
-from flint import arb, ctx
+from flint import arb
 
+from driftproof.enclosure.evaluations import in_bits
 from driftproof.enclosure.numbers import size
 from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
+from driftproof.symbolic.algebra.certified import Uncertified, endpoints, scientific, significant
 
 # A row for each time, with a ball for each component.
 BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
 # Digits of balls in JSON: more than are ever proved for the error of a double, rounding included.
 _DIGITS = 25
+# Those of balls in words, and the least number without an exponent there.
+_DIGITS_SHOWN, _LEAST_PLAIN = 10, Fraction(1, 10**4)
+# With more bits than from the first of a ball's middle to the last of its radius, sums of the two are exact.
+_BITS_OF_ANY_BALL = 2**18
 # The most rows of the table in a notebook, and the most constants that the text lists: a dense system has thousands.
 _MOST_SHOWN = 12
 # The digits reported for a point that is right to the last bit.
@@ -31,6 +39,7 @@ class Split:
     `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] is the
     solution. If the run's times are rounded, that shift counts as rounding. The run took `steps` steps in `bits` bits.
     `solved` is true of an implicit method: what the run's own solver left unsolved of its stages counts as rounding.
+    All points are its steps up to rounding, but for those after the intervals `unchecked`, where that cannot be told.
     """
 
     method: str
@@ -40,6 +49,7 @@ class Split:
     steps: int
     bits: int
     solved: bool = False
+    unchecked: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -58,11 +68,11 @@ class Drift:
 class Certificate(Printable):
     """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) is the solution through y[0].
 
-    `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
-    these; `digits_of` is that of each component by itself. `steps` and `bits` are those of the enclosure. `doubles` are
-    the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if they were asked for.
-    `unknowns` are the names that f gives the components, `said` how the columns of the file were read, where their
-    names leave a question.
+    `digits_at` are the digits of the largest error at each point, relative to the solution's largest component there;
+    `digits` are the least of these, and `digits_of` those of each component by itself. `steps` and `bits` are those of
+    the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if
+    they were asked for. `unknowns` are the names that f gives the components, `said` how the columns of the file were
+    read, where their names leave a question.
     """
 
     t: tuple[float, ...]
@@ -79,13 +89,13 @@ class Certificate(Printable):
 
     @property
     def digits(self) -> int:
-        """The number of digits right at every point, relative to its largest component."""
+        """The digits of the largest error at every point, relative to the largest component there."""
         return min(self.digits_at)
 
     @property
     def digits_of(self) -> tuple[int | None, ...]:
         """For each component, the digits right at every point relative to its own largest size; None if it may be 0."""
-        with ctx.workprec(self.bits):
+        with in_bits(self.bits):
             found = list[int | None]()
             for errors, values in zip(zip(*self.errors, strict=True), zip(*self.y, strict=True), strict=False):
                 true = [arb(x) - error for x, error in zip(values, errors, strict=False)]
@@ -146,6 +156,10 @@ class Certificate(Printable):
             lines.append(f"largest {name} {decimal(largest_of(rows, split.bits))}: {self.place(largest_place(rows))}")
         if split.solved:
             lines.append("rounding includes what the run's own solver, such as Newton's method, left unsolved")
+        if split.unchecked:
+            where = f"{len(split.unchecked)} of {counted(len(split.states) - 1, 'interval')}"
+            said = f"not checked to be its steps, as rounding may have grown too much: {where}"
+            lines.append(f"{said}, the first from t = {self.t[split.unchecked[0]]:.17g}")
         return lines
 
     def _drift_lines(self, name: str, drift: Drift) -> list[str]:
@@ -171,7 +185,8 @@ class Certificate(Printable):
         }
         if (split := self.split) is not None:
             parts = {"truncation": _rows(split.truncation), "rounding": _rows(split.rounding)}
-            found["split"] = {"method": split.method, "steps": split.steps, "bits": split.bits, **parts}
+            run = {"method": split.method, "steps": split.steps, "bits": split.bits}
+            found["split"] = {**run, "unchecked": list(split.unchecked), **parts}
         if self.drifts:
             found["drifts"] = {
                 name: {
@@ -205,19 +220,27 @@ class Certificate(Printable):
 
 
 def decimal(x: arb) -> str:
-    """Ten decimal digits, or as many as the ball determines."""
-    return str(x.str(10, radius=False))
+    """The digits, ten at most, to which all numbers in the ball round; the ball itself if they share not even one."""
+    with suppress(Uncertified):  # of a number too long to write out
+        ends = endpoints(x) if x.is_finite() else ()
+        write = scientific if max(map(abs, ends), default=0) < _LEAST_PLAIN else significant
+        for digits in range(_DIGITS_SHOWN * bool(ends), 0, -1):
+            low, high = (write(end, digits) for end in ends)
+            if low == high:
+                return low
+    return str(x.str(3))
 
 
 def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
-    """Row and column of the ball that reaches farthest from 0."""
-    places = [(i, j) for i, row in enumerate(rows) for j in range(len(row))]
-    return max(places, key=lambda place: float(rows[place[0]][place[1]].abs_upper()))
+    """Row and column of the ball that reaches farthest from 0, the first of several."""
+    with in_bits(_BITS_OF_ANY_BALL):
+        reach = {(i, j): x.abs_upper() for i, row in enumerate(rows) for j, x in enumerate(row)}
+        return max(reach, key=reach.__getitem__)
 
 
 def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
     """A ball that contains the largest absolute value of the numbers in the balls."""
-    with ctx.workprec(bits):
+    with in_bits(bits):
         largest = arb(0)
         for ball in (ball for row in rows for ball in row):
             largest = largest.max(abs(ball))

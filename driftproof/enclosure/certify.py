@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import inf
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,8 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
-from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
+from driftproof.enclosure.evaluations import Refused, in_bits
+from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of, unchecked_intervals
 from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import size
@@ -45,6 +46,7 @@ _WRITES = "f writes into its y, from which a solver may go on; the solution that
 
 
 @working("certify")
+@in_bits(BITS_AT_FIRST)
 def certify(
     f: Any,
     t: Any = None,
@@ -61,8 +63,9 @@ def certify(
     each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat,
     .npz or .npy file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or
     the path of a .toml file, its numbers are exact. A .toml file, or a dict of its contents, may have a function
-    instead; a run with another start or end than the file's is told so. `parameters` replace
-    those of the file or the dict, or are keywords of the function. Raises Refused if nothing can be proved.
+    instead; a run with another start or end than the file's is told so. `parameters` replace those of the file or the
+    dict, or are keywords of the function. Raises Refused if nothing can be proved, and ValueError for bad input, such
+    as an unknown method, h without a method, or an f of another number of components.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
@@ -85,15 +88,22 @@ def certify(
         raise ValueError("h has no effect without method")
     f = right_hand_side(field, len(run.states[0]))
     functions = invariants_of(invariants, field, len(run.states[0]))
-    with ctx.workprec(BITS_AT_FIRST):
-        require_reproduced_between(f, enclosable(f), run.times, run.states)
+    require_reproduced_between(f, enclosable(f), run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
     WRITTEN.set(False)
     try:
-        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+        found = _certified(f, run, plan, functions)
     except Refused as refusal:
         raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
     said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else "", *_unlike(given, run)]))
+    return replace(found, unknowns=unknowns, said=said)
+
+
+def _certified(
+    f: RightHandSide, run: Trajectory, plan: StepPlan | None, functions: Mapping[str, Callable[[Any], Any]]
+) -> Certificate:
+    """The certificate of a run, with what `plan` splits, and the drifts of the `functions`. Raises Refused."""
+    enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
     split = None if plan is None else _split(plan, run, true)
@@ -104,8 +114,7 @@ def certify(
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
-    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
-    return replace(found, unknowns=unknowns, said=said)
+    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
@@ -165,7 +174,8 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
             )
         if _is_small(rounding, rows):
             run_of = plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits
-            return Split(*run_of, solved=not plan.method.explicit)
+            with ctx.workprec(bits), stage(f"checking the steps of {plan.method.key}"):
+                return Split(*run_of, not plan.method.explicit, unchecked_intervals(plan, run, rows))
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
 
@@ -184,7 +194,8 @@ def assert_accurate(
 
     The errors are those against the true solution through the first point: what was lost before that point, for example
     if SciPy's `t_eval` leaves out the start, is not seen.
-    Raises AssertionError with the worst point and its proved error, and Refused if nothing can be proved. `solution`
+    Raises AssertionError with the point whose error is the largest multiple of its tolerance, and with that error, and
+    Refused if nothing can be proved. `solution`
     is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of the solver are given, the message compares
     the error with what they promise, which is only the error of a single step.
 
@@ -204,7 +215,8 @@ def assert_accurate(
         words = f"is, {where}, within {tolerance} of the true one that starts at the first (proved)"
         assert_verdict(AssertedVerdict("the solution", words, True, found.text()), holds=True)
         return
-    part, allowed, (i, j) = beyond[0]
+    worst = max(beyond, key=lambda each: float(each[0].largest_error) / each[1] if each[1] else inf)
+    part, allowed, (i, j) = worst
     said = f"off by {decimal(part.largest_error)}, more than {allowed}: {found.place((i, j))} (proved)"
     if rtol is not None:
         promised = atol + rtol * abs(found.y[i][j])

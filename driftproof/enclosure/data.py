@@ -71,11 +71,17 @@ def spline_of(value: Any) -> Callable[..., Any] | None:
         return lambda x, *more: _of_pieces(value, x, *more)
     if hasattr(value, "extrapolate") and hasattr(value, "tck"):  # a BSpline
         return lambda x: spline_at(value.tck, x, value.extrapolate)
-    if hasattr(value, "bounds_error") and hasattr(value, "_kind"):  # an interp1d
+    if hasattr(value, "bounds_error") and hasattr(value, "_kind"):  # an interp1d, whose kind SciPy gives no other name
         return lambda x: _of_points(value, x)
-    if hasattr(value, "get_knots") and hasattr(value, "_eval_args"):  # a UnivariateSpline, which may end as a constant
-        return lambda x: spline_at(value._eval_args, x, value.ext == 0)
+    if hasattr(value, "get_knots") and hasattr(value, "ext"):  # a UnivariateSpline, which may end as a constant
+        return lambda x: spline_at(_with_end_knots(value.get_knots(), value.get_coeffs()), x, value.ext == 0)
     return None
+
+
+def _with_end_knots(knots: Any, coefficients: Any) -> tuple[Any, Any, int]:
+    """The knots, the first and the last as often as the degree asks, with coefficients and degree."""
+    degree = len(coefficients) + 1 - len(knots)
+    return np.pad(knots, degree, mode="edge"), coefficients, degree
 
 
 def _of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:
@@ -108,18 +114,20 @@ def spline_at(of: tuple[Any, Any, int], x: Enclosed, extrapolate: Any) -> Any:
 def _of_points(table: Any, x: Enclosed) -> Any:
     """An interp1d at a number: by lines, by the values of points that are next to it, or by splines."""
     knots, values = _Exact(table.x), _Exact(table.y)
-    if not table._extrapolate:
-        for beyond, fill in ((x < knots[0], "_fill_value_below"), (x > knots[-1], "_fill_value_above")):
+    if not isinstance(fill := table.fill_value, str):  # "extrapolate"
+        below, above = fill if isinstance(fill, tuple) else (fill, fill)
+        for beyond, value in ((x < knots[0], below), (x > knots[-1], above)):
             if beyond and table.bounds_error:
                 raise Refused("f takes data beyond their ends")
             if beyond:
-                return _Exact(np.ravel(getattr(table, fill)))[0]
+                return _Exact(np.ravel(value))[0]
     if table._kind == "previous":
         return values[bisect_right(knots, x) - 1]
     if table._kind == "next":
         return values[bisect_left(knots, x)]
     if table._kind.startswith("nearest"):
-        return values[sorted_place(table.x_bds, x, table._side)]
+        half = table.x / 2  # as SciPy rounds
+        return values[sorted_place(half[:-1] + half[1:], x, "right" if table._kind == "nearest-up" else "left")]
     of_lines = ([knots[0], *knots, knots[-1]], values, 1)
     return spline_at(of_lines if table._kind == "linear" else table._spline.tck, x, extrapolate=True)
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import linecache
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
 from numbers import Rational
+from threading import RLock
 from types import FrameType
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, fmpq
+from flint import arb, arb_series, ctx, fmpq
 
 from driftproof.methods.number_field import dyadic
 
@@ -21,6 +24,16 @@ from driftproof.methods.number_field import dyadic
 Value: TypeAlias = Any
 # Whose lines are not the user's, and how much of one of these is quoted.
 _OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
+# How many refusals this thread has made: one more after a run of f is one that f has caught.
+REFUSED_SO_FAR = ContextVar("refusals made", default=0)
+_ONE_THREAD = RLock()
+
+
+@contextmanager
+def in_bits(bits: int) -> Iterator[None]:
+    """Compute with so many bits, and no other thread meanwhile: FLINT's precision is that of the whole process."""
+    with _ONE_THREAD, ctx.workprec(bits):
+        yield
 
 
 class Refused(ArithmeticError):
@@ -33,16 +46,13 @@ class Refused(ArithmeticError):
     ...     print(refusal)
     times must increase, but t[2] = 0.5 is not above t[1] = 1.0
 
-    `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
-    that one which f catches is detected.
+    `t` is the time that the enclosure reached if more bits may lead further, else None.
     """
-
-    made: ClassVar[int] = 0
 
     def __init__(self, message: str, t: Fraction | None = None) -> None:
         super().__init__(message)
         self.t = t
-        Refused.made += 1
+        REFUSED_SO_FAR.set(REFUSED_SO_FAR.get() + 1)
 
 
 class Stiff(Refused):
@@ -79,10 +89,11 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None, *, at_start: bool 
 class Evaluation:
     """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
 
-    It decides comparisons at a point, or for all times of a step, on p or on the tube around it. `taken` collects the
-    outcomes, and the integers of floors. `span` holds the first and last time of a step, the last None for times just
-    after the first, for comparisons of the time (see `clocks`); it is None at a single time. Models are compared for
-    0 <= σ <= 1 if it goes `forward` from the middle of their disc, else for -1 <= σ <= 1.
+    It decides comparisons at a point, or for all times of a step, on the step's polynomial or on the set around it that
+    holds the solutions. `taken` collects the outcomes, and the integers of floors. `span` holds the first and last time
+    of a step, the last None for times just after the first, for comparisons of the time (see `clocks`); it is None at a
+    single time. Models are compared for 0 <= σ <= 1 if it goes `forward` from the middle of their disc, else for
+    -1 <= σ <= 1.
     """
 
     taken: list[int] = field(default_factory=list)
@@ -110,7 +121,7 @@ class Evaluation:
 
     def is_positive(self, x: Value) -> bool:
         """True if the number is certainly positive, at the point of expansion if it is a series; no outcome of f."""
-        values = self._between(x) if isinstance(x, arb) or hasattr(x, "ends") else (x[0],)
+        values = (x[0],) if isinstance(x, arb_series) else self._between(x)
         return all(value > 0 for value in values)
 
     def floor(self, x: Value) -> int:
@@ -133,6 +144,10 @@ class Evaluation:
 
     def made_of(self, made: Value, x: Value, y: Value, *, product: bool) -> None:
         """Note that a number is the sum of two, or their product."""
+
+    def written(self, name: str, x: Value) -> Value | None:
+        """The function of a name that stands for a number; None for numbers, whose functions are decided."""
+        return None
 
     def function(self, name: str, x: Value) -> Value:
         """A function of FLINT. Raises Refused where it may not be analytic."""

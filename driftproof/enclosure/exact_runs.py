@@ -40,8 +40,11 @@ UNSOLVED_STAGES = 2.0**27
 # SciPy's Radau stops Newton's method at min(0.03, sqrt(rtol)) (atol + rtol |y|): what is left may be as much as that,
 # with the default rtol or a smaller one. It is no allowance: steps of other methods are as near.
 LOOSEST_NEWTON, LOOSEST_RTOL = 0.03, 1e-3
-# The number of steps that are checked, evenly spread.
+# The number of steps that are checked before the solution is enclosed, evenly spread.
 MOST_LOOKED_AT = 64
+# An interval in which rounding may grow to more than this part of the state is not told from steps of another method
+# (chosen: six digits).
+LEAST_TELLING = 2.0**-20
 # These take some four minutes with a method of four stages.
 MOST_STEPS_EXACTLY = 10**6
 
@@ -80,7 +83,7 @@ class StepPlan:
 def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: ExactNumber | None = None) -> StepPlan:
     """The steps of the run: from each point to the next or, given h, of size h between points at multiples of h.
 
-    Raises Refused if the run does not consist of these steps of the method.
+    Raises Refused if one of the steps that are looked at first is not of the method; `unchecked_intervals` asks of all.
     """
     found, times = named_method(method), run.exact_times
     if h is None:
@@ -102,7 +105,7 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
         raise Refused(f"{sum(counts)} steps are too many to run exactly; at most {MOST_STEPS_EXACTLY}")
     plan = StepPlan(enclosable(f), found, tuple(starts), tuple(counts), tuple(sizes))
     with ctx.workprec(BITS_AT_FIRST):  # with a double's bits, balls widen too far where coefficients cancel
-        _require_steps_of_method(plan, run)
+        unchecked_intervals(plan, run)
     return plan
 
 
@@ -157,42 +160,69 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
     return step
 
 
-def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
-    """Raise Refused if a checked point is not the planned number of steps after the one before, up to rounding.
+def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = ()) -> tuple[int, ...]:
+    """The intervals that may not be told from steps of another method, as rounding may have grown too much in them.
 
-    The error of each of n steps grows by at most exp(n h |J|); intervals of too many steps are not checked.
+    Raises Refused if a point is not the planned number of steps after the one before, up to rounding. Beside the rows
+    of the `exact` run, all intervals are looked at, and first whether the run is still as near to it as rounding in
+    this interval alone would leave it; without them, some, and none of too many steps.
     """
     step = exact_step(plan.method, plan.f, len(run.states[0]))
     per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)
-    most = max(1, MOST_LOOKED_AT // max(plan.counts))
-    for i in sorted({len(plan.counts) * k // most for k in range(most)}):
-        t, n, h, y = plan.starts[i], plan.counts[i], plan.sizes[i], tuple(arb(x) for x in run.states[i])
-        rates, slopes = linearised(plan.f, exact_time(Evaluation(), enclose(t), [(t, enclose(t))]), y)
-        if isinstance(plan.method, Splitting | Nystrom):
-            _require_second_order(plan.method, y, rates, slopes)
-        if n > MOST_LOOKED_AT:
+    intervals, found = len(plan.counts), list[int]()
+    most = intervals if exact else max(1, MOST_LOOKED_AT // max(plan.counts))
+    for i in sorted({intervals * k // most for k in range(most)}):
+        y, after = (tuple(map(arb, state)) for state in run.states[i : i + 2])
+        if not exact and isinstance(plan.method, Splitting | Nystrom):
+            _require_second_order(plan.method, y, *_linearised_at(plan, plan.starts[i], y))
+        sizes = size(y) + size(after)
+        close = plan.counts[i] * per_step * sizes
+        far = size(x - z for x, z in zip(after, exact[i + 1], strict=True)) if exact else arb(0)
+        if far <= close if exact else plan.counts[i] > MOST_LOOKED_AT:
             continue
-        made = y
-        for k in range(n):
-            made = step(made, t + k * h, h)
-        moved = [sum((abs(J * x) for J, x in zip(row, y, strict=True)), arb(0)) for row in slopes]
-        growth = (n * enclose(h) * size(sum(map(abs, row), arb(0)) for row in slopes)).exp() if n > 1 else arb(1)
-        scale = size(y) + size(made) + enclose(h) * (size(rates) + size(moved))
-        allowed = n * growth * per_step * scale
-        off = size(arb(x) - z for x, z in zip(run.states[i + 1], made, strict=True))
+        made, allowed = _with_rounding(plan, step, i, y, per_step)
+        off = size(x - z for x, z in zip(after, made, strict=True))
         if not off <= allowed:
-            last = i + 2 == len(run.times) and i > 0
-            left = float(off / size(y))
-            rtol = max(left ** (2 / 3), left / LOOSEST_NEWTON)
-            loose = f", or SciPy's Radau stopped Newton's method early, as with rtol = {rtol:.1g}: take 1e-6 or less"
-            ending = loose if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL else ""
-            ending += "; all before are: if an event ended the run, leave out the last point" if last else ""
-            raise Refused(
-                f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
-                f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
-                "parameter, digits cut in a file, steps left out (give h), a stage at a jump of f, or SciPy's t_eval"
-                f"{ending}; without a method, the total error is certified"
-            )
+            raise Refused(_not_its_steps(plan, run, i, off, allowed))
+        if not (off <= close or allowed <= LEAST_TELLING * sizes):
+            found.append(i)
+    return tuple(found)
+
+
+def _linearised_at(plan: StepPlan, t: Fraction, y: Row) -> tuple[list[arb], list[list[arb]]]:
+    return linearised(plan.f, exact_time(Evaluation(), enclose(t), [(t, enclose(t))]), y)
+
+
+def _with_rounding(
+    plan: StepPlan, step: Callable[[Row, Fraction, Fraction], Row], i: int, y: Row, per_step: float
+) -> tuple[Row, arb]:
+    """The planned steps from y, and a bound of what rounding makes of them, which grows by exp(h |J|) in each step."""
+    h, allowed = plan.sizes[i], arb(0)
+    for k in range(plan.counts[i]):
+        t = plan.starts[i] + k * h
+        rates, slopes = _linearised_at(plan, t, y)
+        moved = [sum((abs(J * x) for J, x in zip(row, y, strict=True)), arb(0)) for row in slopes]
+        if k:
+            allowed *= (enclose(h) * size(sum(map(abs, row), arb(0)) for row in slopes)).exp()
+        before, y = y, step(y, t, h)
+        allowed += per_step * (size(before) + size(y) + enclose(h) * (size(rates) + size(moved)))
+    return y, allowed
+
+
+def _not_its_steps(plan: StepPlan, run: Trajectory, i: int, off: arb, allowed: arb) -> str:
+    """What is said of a point that is off the steps from the one before by more than rounding may explain."""
+    n, last = plan.counts[i], i + 2 == len(run.times) and i > 0
+    left = float(off / size(map(arb, run.states[i])))
+    rtol = max(left ** (2 / 3), left / LOOSEST_NEWTON)
+    loose = f", or SciPy's Radau stopped Newton's method early, as with rtol = {rtol:.1g}: take 1e-6 or less"
+    ending = loose if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL else ""
+    ending += "; all before are: if an event ended the run, leave out the last point" if last else ""
+    return (
+        f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
+        f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
+        "parameter, digits cut in a file, steps left out (give h), a stage at a jump of f, or SciPy's t_eval"
+        f"{ending}; without a method, the total error is certified"
+    )
 
 
 def _require_second_order(

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from flint import arb, ctx
 
 from driftproof.enclosure.evaluations import Refused, Value, analytic
+from driftproof.enclosure.models import TaylorModel
 
 # More terms than numbers up to 40 need; wider ranges come from steps that are too long.
 _MOST_TERMS = 300
@@ -17,7 +18,7 @@ def exprel_of(x: Value, *, slope: bool = False) -> Value:
 
     Series need no bound: they make the polynomial of a step, whose defect is then bounded.
     """
-    ball, model = isinstance(x, arb), hasattr(x, "norm")
+    ball, model = isinstance(x, arb), isinstance(x, TaylorModel)
     centre = x if ball else x.coefficient(0) if model else x[0]
     if abs(centre) > 1:
         whole, inverse = x.exp(), inverse_of(x)

@@ -21,6 +21,7 @@ from flint import arb, arb_series
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
 from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of
 from driftproof.methods.number_field import dyadic
+from driftproof.methods.vector_fields import FLOOR
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
@@ -188,8 +189,8 @@ class Enclosed:
 
     def __abs__(self) -> Enclosed:
         """x or -x, by the sign of x on the whole box; as text |x|. Raises Refused if the sign is not known."""
-        if (written := getattr(self.value, "modulus", None)) is not None:
-            return Enclosed(self.evaluation, written())
+        if (written := self.evaluation.written("abs", self.value)) is not None:
+            return Enclosed(self.evaluation, written)
         return self if self > 0 else -self
 
     def __float__(self, *_: object) -> float:
@@ -203,8 +204,8 @@ class Enclosed:
 
     def __floor__(self) -> Any:
         """The largest integer that is not larger, as text of a text. Raises Refused if two are in the ball."""
-        if (written := getattr(self.value, "whole", None)) is not None:
-            return Enclosed(self.evaluation, written())
+        if (written := self.evaluation.written(FLOOR, self.value)) is not None:
+            return Enclosed(self.evaluation, written)
         return self.evaluation.floor(self.value) if self.exact is None else floor(self.exact)
 
     def __ceil__(self) -> Any:
@@ -298,6 +299,8 @@ class Enclosed:
 
     def exprel(self) -> Enclosed:
         """(exp x - 1)/x, 1 at 0."""
+        if (written := self.evaluation.written("exprel", self.value)) is not None:
+            return Enclosed(self.evaluation, written)
         return self._with_chain_rule(exprel_of(self.value), (self, lambda: exprel_of(self.value, slope=True)))
 
     def heaviside(self, at_zero: Any) -> Any:
@@ -376,7 +379,7 @@ def _boxed(x: Any) -> Any:
 
 
 def size(values: Iterable[arb]) -> arb:
-    """The largest absolute value of a number in the balls, exact; 0 if there are no balls, NaN if any is NaN."""
+    """An upper bound, of radius 0, of |x| over the balls: the least one but for its rounding; NaN if any is NaN."""
     largest = arb(0)
     for x in values:
         largest = largest.max(arb(x.abs_upper()))  # Python's max would lose a NaN

@@ -18,7 +18,7 @@ from flint import arb, arb_mat, ctx
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
 from driftproof.enclosure.crossings import Crossing, Window, crossed
-from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, not_smooth
+from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, in_bits, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
@@ -51,6 +51,7 @@ STEPS_OF_STIFF, PART_OF_LONG, PART_OF_FAR_TOO_LONG = 20, Fraction(1, 20), Fracti
 # A stiff problem with fewer explicit steps left is finished by them; an implicit step is as long as 50 to 1000 of them.
 MOST_STIFF_STEPS = 2000
 # A problem is stiff if a direction shrinks to less than this in a step, and steps do not get shorter, as at a pole.
+# Chosen: a little more than e⁻¹, as of a rate that a step is as long as the time of.
 SHRUNK = 0.4
 # No problem needs a longer first step; a shorter one is found by trying. Each further step is a sixth of the radius of
 # convergence, which grows by no more than the length of a step: so 5/4 is more than the next can use.
@@ -87,7 +88,7 @@ def enclose_solution(
 
     A start given as balls stands for every point in them. Raises Refused if nothing can be proved.
     """
-    with ctx.workprec(bits), np.errstate(all="ignore"):
+    with in_bits(bits), np.errstate(all="ignore"):
         function, balls = enclosable(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
@@ -178,7 +179,14 @@ class _Path:
         self.longest = LONGEST_STEP if expansion.cut else LONGER * self.step.h
         # They grow behind a window in which the argument of a root was 0.
         grows = isinstance(before, Window) or (before is not None and self.step.h > before.h)
-        self._refuse_what_does_not_end(self.step, expansion.cut, grows)
+        shrinks = not grows and not expansion.cut
+        if (
+            shrinks
+            and self.step.h < SHORTEST_PART * (self.t + self.step.h - self.first)
+            and self._has_crossed(self.step.h)
+        ):
+            return
+        self._refuse_what_does_not_end(self.step, grows)
 
     def _comes_nearer(self, expansion: Expansion, error: Sequence[arb]) -> bool:
         """Step towards a crossing with weights as the errors are: those of other components do not keep it away."""
@@ -209,17 +217,20 @@ class _Path:
                 return True
         return False
 
-    def _refuse_what_does_not_end(self, step: EnclosedStep, cut: bool, grows: bool) -> None:
+    def _has_crossed(self, h: Fraction) -> bool:
+        """True after crossing what f refuses just ahead of a very short step, False before it; Refused at a pole."""
+        obstacle = obstacle_ahead(self.f, self.t, self.point, h)
+        may_cross = isinstance(obstacle, Overlapping)  # at a root that becomes 0, to which no step leads
+        near = 64 * h < WIDEST_WINDOW * (self.last - self.first)
+        if may_cross and near and self._cross(16 * h, (self.basis * self.box).entries()):
+            return True
+        if near or not may_cross:
+            raise not_smooth(self.t + 8 * h, obstacle)
+        return False
+
+    def _refuse_what_does_not_end(self, step: EnclosedStep, grows: bool) -> None:
         """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
-        if step.h < SHORTEST_PART * gone and not (cut or grows):
-            obstacle = obstacle_ahead(self.f, self.t, self.point, step.h)
-            may_cross = isinstance(obstacle, Overlapping)  # at a root that becomes 0, to which no step leads
-            near = 64 * step.h < WIDEST_WINDOW * (self.last - self.first)
-            if may_cross and near and self._cross(16 * step.h, (self.basis * self.box).entries()):
-                return
-            if near or not may_cross:
-                raise not_smooth(self.t + 8 * step.h, obstacle)
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -63,6 +63,17 @@ class _Tracing(Branching):
         """The outcome of this run, the same each time that f asks."""
         return self.outcome(greater.text, less.text, at_zero)
 
+    def written(self, name: str, x: Traced) -> Traced:
+        """The call as text, also of |x|, which a comparison makes elsewhere. Refused unless a field may hold it."""
+        if name not in (*FUNCTIONS, FLOOR):
+            may = ", ".join(FUNCTIONS)
+            raise Refused(f"f uses {name}; a problem may use {may}, and certify takes other functions")
+        return Traced(f"{name}({x.text})", self.names)
+
+    def function(self, name: str, x: Traced) -> Traced:
+        """The call as text."""
+        return self.written(name, x)
+
     def is_positive(self, x: Traced) -> bool:
         """False: of a name nothing is certain."""
         return False
@@ -118,20 +129,3 @@ class Traced:
 
     def __sub__(self, other: Any) -> Traced:
         return self._with("-", other)
-
-    def whole(self) -> Traced:
-        """The largest integer that is not larger."""
-        return Traced(f"{FLOOR}({self.text})", self.doubles)
-
-    def modulus(self) -> Traced:
-        """|x|, which a field may have, although a comparison makes it."""
-        return Traced(f"abs({self.text})", self.doubles)
-
-    def __getattr__(self, name: str) -> Callable[[], Traced]:
-        """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""
-        if name.startswith("_"):
-            raise AttributeError(name)
-        if name not in FUNCTIONS:
-            name = "exprel" if name == "norm" else name  # it asks first whether its argument is a model with a norm
-            raise Refused(f"f uses {name}; a problem may use {', '.join(FUNCTIONS)}, and certify takes other functions")
-        return lambda: Traced(f"{name}({self.text})", self.doubles)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os.path import exists, isdir
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import (
@@ -27,6 +27,8 @@ from driftproof.support.plain_text import shortened
 
 # Methods as users give them, one or several: a key or name, a file, the method itself.
 GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
+# Methods that are not in the catalogue, each after the name that it has in a scene.
+NamedMethods: TypeAlias = tuple[tuple[str, Method], ...]
 
 
 def method_of(given: str | Path | Method | Family | FurtherMethod) -> Method:
@@ -73,8 +75,6 @@ def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | 
     """
     if isinstance(given, Method | Family | FurtherMethod):
         return given
-    if isinstance(given, KeyOfMethod):
-        return given.method
     if not isinstance(given, str | Path):
         raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
@@ -93,33 +93,18 @@ def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | 
     return found or entry_named(name)
 
 
-class KeyOfMethod(str):
-    """The key of a method that is not in the catalogue, with the method itself: scenes name methods by text."""
+def names_of(given: GivenMethods) -> tuple[list[str], NamedMethods]:
+    """The names of these methods in a scene, which are keys and files, and those of them that are not in the catalogue.
 
-    __slots__ = ("method",)
-    method: Method
-
-    def __new__(cls, method: Method) -> KeyOfMethod:
-        """Keep the method; one with the key of another method in the catalogue is "of your own"."""
-        found = super().__new__(cls, f"{method.key} of your own" if method.key in METHODS else method.key)
-        found.method = method
-        return found
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """The method, from which another process makes the key again."""
-        return KeyOfMethod, (self.method,)
-
-
-def names_of(given: GivenMethods) -> list[str]:
-    """The keys and files by which a scene names these methods. Raises ValueError for two of your own with one key."""
-    named = list[str]()
+    One with the key of another method there is "of your own". Raises ValueError for two of your own with one key.
+    """
+    named, own = list[str](), dict[str, Method]()
     for each in _each(given):
         if isinstance(each, str | Path):
-            named.append(each if isinstance(each, str) else str(each))
-        else:
-            named.append(each.key if METHODS.get(each.key) == each else KeyOfMethod(each))
-    own: dict[str, Method] = {}
-    for name in named:
-        if isinstance(name, KeyOfMethod) and own.setdefault(name, name.method) != name.method:
-            raise ValueError(f"two methods have the key {name}; give each a key of its own")
-    return named
+            named.append(str(each))
+            continue
+        known = METHODS.get(each.key)
+        named.append(each.key if known in (None, each) else f"{each.key} of your own")
+        if known != each and own.setdefault(named[-1], each) != each:
+            raise ValueError(f"two methods have the key {named[-1]}; give each a key of its own")
+    return named, tuple(own.items())

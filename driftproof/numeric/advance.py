@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, TypeAlias
@@ -21,7 +21,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.rosenbrock import rosenbrock_runner
 from driftproof.numeric.run import nearest_double
 
-State: TypeAlias = tuple[float, ...]
+State: TypeAlias = Sequence[float]
 Rate: TypeAlias = Callable[[float, Any], list[float]]
 # advance(y, h, first, last) -> y after steps first to last - 1, step i starting at t = i h.
 Advance: TypeAlias = Callable[[State, float, int, int], State]

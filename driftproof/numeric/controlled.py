@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from math import inf
@@ -62,7 +62,7 @@ class ControlledRun:
     calls: int = 0
 
     def __call__(
-        self, y: tuple[float, ...], end: float, relative: float, absolute: float, most: float = inf
+        self, y: Sequence[float], end: float, relative: float, absolute: float, most: float = inf
     ) -> tuple[float, ...]:
         """Return the state at t = `end`."""
         state, report = self.made((*y, 0.0) if self.timed else y), self.made([0.0] * 5)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, TypeAlias
 
@@ -27,7 +27,7 @@ FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.
 EnsembleRun: TypeAlias = Callable[[FloatArray, float, int, int], None]
 # run(y, h, first, last) -> y after steps first to last - 1.
-Run: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
+Run: TypeAlias = Callable[[Sequence[float], float, int, int], tuple[float, ...]]
 
 # How many states of an ensemble are stepped together: such a block stays in the fastest cache.
 BLOCK = 512

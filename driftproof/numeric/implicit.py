@@ -27,7 +27,7 @@ R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last for subnormal Z. Ter
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
@@ -72,7 +72,7 @@ class ImplicitRun:
     made: Callable[[Any], Any]
     calls: int = 0
 
-    def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
+    def __call__(self, y: Sequence[float], h: float, first: int, last: int) -> tuple[float, ...]:
         """Return the state after steps first to last - 1."""
         state, report = self.made(y), self.made(NO_STEP)
         self.steps(0.0, state, h, first, last, self.table, report)

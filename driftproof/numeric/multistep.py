@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite
@@ -18,7 +18,7 @@ from driftproof.numeric.implicit import NO_STEP, require_done
 from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
 from driftproof.numeric.newton import Equations, solved_group
 
-_State: TypeAlias = tuple[float, ...]
+_State: TypeAlias = Sequence[float]
 # The explicit methods that start explicit ones, each with its order p. The error of one of their steps is O(h^(p + 1)),
 # which a few first values may have where the order is p + 1.
 _EXPLICIT_STARTS = {4: "rk4", 5: "dormand_prince54", 8: "prince_dormand87"}
@@ -52,11 +52,20 @@ def start_of(method: Multistep) -> Method:
     return METHODS[found]
 
 
-class Trail(tuple[float, ...]):
-    """The newest state of a multistep run, with what the next step needs of it and of those before, oldest first."""
+@dataclass(frozen=True)
+class Trail(Sequence[float]):
+    """The state of a multistep run: the newest `states` and `slopes` f, oldest first. It reads as the newest state."""
 
-    states: list[Any]
-    slopes: list[Any]
+    states: Sequence[_State]
+    slopes: Sequence[_State]
+
+    def __getitem__(self, i: Any) -> Any:
+        """A component of the newest state."""
+        return self.states[-1][i]
+
+    def __len__(self) -> int:
+        """The number of components."""
+        return len(self.states[-1])
 
 
 @dataclass
@@ -80,25 +89,23 @@ class MultistepRun:
 
     def __call__(self, y: _State, h: float, first: int, last: int) -> Trail:
         """Return the state after steps first to last - 1."""
-        states, slopes = (list(y.states), list(y.slopes)) if isinstance(y, Trail) else ([list(y)], [])
+        states, slopes = (list(y.states), y.slopes) if isinstance(y, Trail) else ([y], [])
         while len(states) < self.method.steps and first < last:
-            states.append(list(y := self.starter(tuple(y), h, first, first + 1)))
+            states.append(self.starter(tuple(states[-1]), h, first, first + 1))
             first, self.begun = first + 1, self.begun + 1
         if first < last:
             states, slopes = self._advanced(states, slopes, h, first, last)
-        found = Trail(map(float, states[-1]))
-        found.states, found.slopes = states, slopes
-        return found
+        return Trail(states, slopes)
 
     def of_all(self, rows: _State, h: float, first: int, last: int) -> _State:
         """The same steps on the vector of k states at once, oldest first."""
         n, k = len(rows) // self.method.steps, self.method.steps
-        states, _ = self._advanced([list(rows[i * n : (i + 1) * n]) for i in range(k)], [], h, first, last)
-        return tuple(float(x) for row in states for x in row)
+        states, _ = self._advanced([rows[i * n : (i + 1) * n] for i in range(k)], [], h, first, last)
+        return [x for row in states for x in row]
 
     def _advanced(
-        self, states: list[Any], slopes: list[Any], h: float, first: int, last: int
-    ) -> tuple[list[Any], list[Any]]:
+        self, states: Sequence[_State], slopes: Sequence[_State], h: float, first: int, last: int
+    ) -> tuple[list[_State], list[_State]]:
         k, n, made = len(states), len(states[0]), self.made
         rows, rates, report = made([*map(list, states)]), made([*map(list, slopes or [[0.0] * n] * k)]), made(NO_STEP)
         for j in range(0 if slopes else k - self.method.explicit):  # an explicit step evaluates the newest itself
@@ -108,7 +115,7 @@ class MultistepRun:
         self.steps(rows, rates, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
         require_done(self.method.key, report, 0.0, h)
-        return [list(row) for row in rows], [list(row) for row in rates]
+        return [[*map(float, row)] for row in rows], [[*map(float, row)] for row in rates]
 
 
 def multistep_runner(

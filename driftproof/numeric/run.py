@@ -12,6 +12,7 @@ import numpy as np
 
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.rationals import brief
+from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Step, oscillator
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
@@ -101,14 +102,14 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     h, t = nearest_double(scene.h, "h"), _nearest_time(scene.t)
     path = [start] if "trajectory" in scene.readouts else None
     record = (lambda q, v: path.append((q, v))) if path is not None else None
-    state = integrate(_float_step(key), force, start, h, scene.steps, record, counter)
+    state = integrate(_float_step(method_of(scene.method(key))), force, start, h, scene.steps, record, counter)
     finished = _Finished(scene, t, start, state, getattr(force, "calls", None), path)
     return {name: _finite_readout(name, finished) for name in scene.readouts}
 
 
-def _float_step(key: str) -> Step:
+def _float_step(method: Method) -> Step:
     """The method's step; an implicit one solves its stages by Newton's method, whose evaluations of the force count."""
-    if (method := method_of(key)).explicit:
+    if method.explicit:
         return float_stepper(method)
     from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
 

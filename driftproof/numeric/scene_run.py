@@ -55,13 +55,13 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
     seen = observe(run, start, float_step(scene.t, scene.steps), scene.steps, apart=apart, look=look)
     if seen.failed_after is not None:
         if not all(map(isfinite, seen.state)):
-            raise NonFiniteState(seen.failed_after, seen.state)
+            raise NonFiniteState(seen.failed_after, tuple(seen.state))
         raise RunEnded(f"the run ends at step {seen.failed_after}: {seen.remark}")
     deque(ticks, maxlen=0)  # a progress bar closes at its end
     digits = problem.reference.states[problem.reference.times.index(scene.t)]
     energy = partial(decimal_energy, problem)
     read: dict[str, Callable[[], Any]] = {
-        "final_state": lambda: seen.state,
+        "final_state": lambda: tuple(seen.state),
         "exact_state": lambda: tuple(map(float, digits)),
         "state_error": lambda: distance_from_digits(seen.state, digits),
         "energy": lambda: float(energy(seen.state)),

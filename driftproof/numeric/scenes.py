@@ -13,8 +13,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.given_methods import entry_of, method_of
+from driftproof.methods.given_methods import NamedMethods, entry_of, method_of
 from driftproof.methods.rationals import parse_rational, step_count
+from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
 from driftproof.support.plain_text import unknown
@@ -44,10 +45,11 @@ class SceneError(ValueError):
 class Scene:
     """N = t/h steps of each method on q' = v, v' = -q from `start`, or on a problem from its start, and what to show.
 
-    `selected` is the method whose readouts and figures are shown; `methods` are compared in the table panel. h, t and
-    start are exact: Fractions. `readouts` are computed in floats, `certified` ones exactly, to any number of digits;
-    `panels` are drawn. Nothing else is computed. With a `problem`, t is one of its reference's times, and there are no
-    certified readouts, phase errors or drawn panels. Raises SceneError.
+    `selected` is the method whose readouts and figures are shown; `methods` are compared in the table panel. They are
+    keys, files, and names of `own` methods. h, t and start are exact: Fractions. `readouts` are computed in floats,
+    `certified` ones exactly, to any number of digits; `panels` are drawn. Nothing else is computed. With a `problem`, t
+    is one of its reference's times, and there are no certified readouts, phase errors or drawn panels. Raises
+    SceneError.
 
     >>> from fractions import Fraction
     >>> from driftproof import Scene
@@ -65,6 +67,7 @@ class Scene:
     certified: tuple[str, ...] = ()
     panels: tuple[str, ...] = ()
     problem: Problem | None = None
+    own: NamedMethods = ()
 
     def __post_init__(self) -> None:
         """Raise SceneError for an unknown name, an empty request, or an h that does not divide t."""
@@ -104,8 +107,9 @@ class Scene:
             raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is known only at t = {known}")
 
     def method(self, key: str | Path) -> Entry:
-        """The method with this key or file; on the oscillator its step takes one state and f. Raises ValueError."""
-        return method_of(key) if self.problem is None else entry_of(key)
+        """The method of this name; on the oscillator its step takes one state and f. Raises ValueError."""
+        given = dict[str | Path, Method](self.own).get(key, key)
+        return method_of(given) if self.problem is None else entry_of(given)
 
     @property
     def steps(self) -> int:
@@ -176,7 +180,7 @@ def read_scene(path: Path, problem_of: Callable[[str], Problem] = problem_named)
 def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) -> Scene:
     if "rates" in table or "function" in table:
         raise SceneError('it is a problem; write a scene with problem = "FILE.toml", selected, h and readouts')
-    require_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
+    require_keys(table, tuple(field.name for field in fields(Scene) if field.name != "own"), "a scene")
     problem = problem_of(as_text(table["problem"], "problem")) if "problem" in table else None
     for key in ("selected", "h", *(() if problem else ("t",))):
         if key not in table:
@@ -190,6 +194,7 @@ def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) ->
         start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
         **{key: as_texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
         problem=problem,
+        own=(),
     )
 
 

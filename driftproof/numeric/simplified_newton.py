@@ -35,6 +35,9 @@ PART, ROUNDINGS = 0.01, 2.0**-49
 # The most iterations with one matrix. J is kept for the next step if two were enough, or if the last correction was at
 # most SLOW times the previous one. Both numbers are those of the program RADAU5 (hairer-wanner-1996, IV.8).
 MOST_ITERATIONS, SLOW = 7, 1e-3
+# As long as the quotient of the series is not known, what an iteration leaves is taken as that of the previous step to
+# the power WORSE, of which at least LEAST_LEFT, a roundoff, is assumed: as in RADAU5.
+WORSE, LEAST_LEFT = 0.8, 1e-16
 # Indices in `Work.memory`: h of the matrices, of the last attempt and of the last accepted step; whether J is that of
 # y, and whether it is to be; and the ratio of the error left by the last iteration to its last correction.
 FACTORED, TRIED, BEFORE, CURRENT, WANTED, LEFT = range(6)
@@ -153,8 +156,7 @@ def _solved_stages(writers: FieldWriters, t: float, y: Any, h: float, control: S
     """Iterate from the present moves; True if they end within a part of the tolerance."""
     relative, memory, before, rate_of_change = control.given.relative, control.work.memory, inf, inf
     part = max(PART, ROUNDINGS / relative) if relative > 0 else PART
-    # As long as the quotient of the series is not known, take that of the previous step, a little worse.
-    left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
+    left = exp(WORSE * log(max(memory[LEFT], LEAST_LEFT)))
     for iteration in range(MOST_ITERATIONS):
         largest = _iterated(writers, t, y, h, control)
         if not largest < inf:

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import hypot, inf, isfinite, nextafter
+from math import floor, hypot, inf, isfinite, nextafter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,9 +27,9 @@ SMALLEST, LARGEST = -20, 30
 # growth there are so many equally spaced looks for an end of it (chosen: gaps of splittings are some tenths wide).
 BEYOND, AGAIN = range(4, 41, 4), 48
 
-# Powers 2**n, n up to SQUARINGS, count as bounded if they stay below GROWTH. A spectral radius ρ > 1 is detected from
-# ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a float step were rounded,
-# which moves ρ by some u. A Jordan block on the unit circle grows to 2**SQUARINGS.
+# Powers 2**n, n up to SQUARINGS, of the balanced matrix count as bounded if they stay below GROWTH. A spectral radius
+# ρ > 1 is detected from ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a
+# float step were rounded, which moves ρ by some u. A Jordan block on the unit circle grows to 2**SQUARINGS.
 # Rounding: entries of size up to GROWTH lose GROWTH² 2**-BITS = 7e-28 relatively in one squaring, and 2**48 times as
 # much by the end, 2e-13. Powers near a limit where two eigenvalues meet stay below GROWTH to a distance of 1e-18. What
 # has fallen below 1/GROWTH stays there, as n/GROWTH < 1.
@@ -38,6 +38,8 @@ _VANISHED = (1 << BITS) // 10**9
 # Floats decide first, over 2**FEWER powers: those that fall below 1/GROWTH stay there, those above GROWTH have grown.
 FEWER = 36
 _U = 2.0**-53
+# Each sweep to balance a matrix makes it smaller; chosen: two suffice in most units, many in those of a long chain.
+_MOST_SWEEPS = 100
 
 
 # Chosen: a solution that decays by e^-1000 where it follows slower ones costs explicit methods some 400 steps or more.
@@ -124,9 +126,48 @@ def stays_bounded(advance: Advance, components: int, h: float) -> bool:
 
 
 def powers_stay_bounded(matrix: _Matrix) -> bool:
-    """True if the powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False for entries not finite."""
+    """True if the powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False for entries not finite.
+
+    The units of the components do not matter, as the matrix is balanced first.
+    """
+    if not np.isfinite(matrix).all():
+        return False
+    matrix = in_balanced_units(matrix)
     verdict = _by_floats(matrix)
     return _by_integers(matrix) if verdict is None else verdict
+
+
+def in_balanced_units(matrix: _Matrix) -> _Matrix:
+    """The matrix in units 2**e of its components, chosen from it alone: entries (i, j) times 2**(eⱼ - eᵢ).
+
+    Where components act on each other, rows and columns have about the same sum (osborne-1960). Others, on which they
+    act and which do not act back, have units in which the largest of these entries is about as large as any of the
+    former: a Jordan block grows however small its entry is.
+    """
+    n, e = len(matrix), np.zeros(len(matrix), dtype=int)
+    with np.errstate(divide="ignore"):
+        sizes = np.log2(np.abs(matrix))
+    acts = np.isfinite(sizes) | np.eye(n, dtype=bool)
+    for _ in range(n.bit_length()):
+        acts = acts @ acts
+    mutual, order = acts & acts.T, np.argsort(acts.sum(axis=1), kind="stable")  # what acts comes first
+    groups = [group for i in order if (group := np.flatnonzero(mutual[i]))[0] == i]
+    for group in groups:
+        for _ in range(_MOST_SWEEPS * (len(group) > 1)):
+            before = e[group]
+            for k in group:
+                rest = group[group != k]
+                row, column = sizes[k, rest] + e[rest], sizes[rest, k] - e[rest]
+                e[k] = np.rint((np.logaddexp2.reduce(row) - np.logaddexp2.reduce(column)) / 2)
+            if (e[group] == before).all():
+                break
+    largest = (sizes + e - e[:, None])[mutual].max()
+    for group in groups:
+        if (others := np.flatnonzero(acts[group[0]] & ~mutual[group[0]])).size:
+            entry = (sizes[np.ix_(group, others)] + e[others] - e[group, None]).max()
+            e[group] += int(np.ceil(entry - (largest if isfinite(largest) else 0.0)))
+    found: _Matrix = np.ldexp(matrix, e - e[:, None])
+    return found
 
 
 def _by_floats(matrix: _Matrix) -> bool | None:
@@ -150,7 +191,7 @@ def _by_floats(matrix: _Matrix) -> bool | None:
 
 def _by_integers(matrix: _Matrix) -> bool:
     """The same with entries that are whole multiples of 2**-BITS, once they have been rounded down to these."""
-    power = np.array([[int(Fraction(float(x)) * 2**BITS) for x in row] for row in matrix], dtype=object)
+    power = np.array([[floor(Fraction(float(x)) * 2**BITS) for x in row] for row in matrix], dtype=object)
     for _ in range(SQUARINGS + 1):
         largest = max(map(abs, power.ravel()))
         if largest >= int(GROWTH) << BITS or largest <= _VANISHED:

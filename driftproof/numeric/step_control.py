@@ -18,7 +18,8 @@ from driftproof.numeric.loops import FieldWriters
 MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
 # Smaller errors are taken as this, the logarithm of 0 being undefined; it makes the next step MOST_LONGER already.
 SMALLEST = 1e-10
-# No problem needs a step that is this much shorter than the run; at t = 0 steps would otherwise shrink for ever.
+# A run whose steps are this much shorter than itself is given up; at t = 0 they would otherwise shrink for ever.
+# Chosen: well below u, as the first steps of stiff runs may be, and long before h² underflows.
 LEAST_STEP = 1e-30
 # Smaller sizes of y and f, and a smaller bend, tell nothing of the first step (hairer-norsett-wanner-1993, II.4).
 _LEAST_SIZE, _LEAST_BEND = 1e-5, 1e-15

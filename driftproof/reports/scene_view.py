@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from driftproof.methods.given_methods import entry_of, method_of
+from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
@@ -75,7 +75,7 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     if "certified" in shown:
         parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
     if "table" in shown:
-        rows, remarks = comparison_rows(shown["table"])
+        rows, remarks = comparison_rows(scene, shown["table"])
         compared = "\n\n".join([table(rows, right=(1, 2, 3)), *remarks])
         parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
     parts += [f"First values of {scene.method(key).title}: steps of {start}" for key, start in starts_of(scene).items()]
@@ -103,7 +103,7 @@ def certified(scene: Scene, digits: int) -> dict[str, Any]:
     from driftproof.symbolic.runs import OscillatorRun
     from driftproof.texts.writing.answers import run_answer
 
-    run = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start)
+    run = OscillatorRun(method_of(scene.method(scene.selected)), scene.h, scene.t, scene.start)
     answer = run_answer(run, digits, HALF_EVEN)
     return {name: answer[name] for name in scene.certified}
 
@@ -162,7 +162,7 @@ def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
     return rows
 
 
-def comparison_rows(rows: dict[str, Readouts | str]) -> tuple[list[list[str]], list[str]]:
+def comparison_rows(scene: Scene, rows: dict[str, Readouts | str]) -> tuple[list[list[str]], list[str]]:
     """The header of the table of methods, and a row for each; then remarks that stand below it.
 
     A run that failed has its message in the second cell, or below the table if it is long.
@@ -172,10 +172,10 @@ def comparison_rows(rows: dict[str, Readouts | str]) -> tuple[list[list[str]], l
     lines, remarks = [["Method", *(_COMPARED[name] for name in names)]], list[str]()
     for key, readouts in rows.items():
         if isinstance(readouts, str):
-            is_long, title = len(readouts) > _LONGEST_CELL, entry_of(key).title
+            is_long, title = len(readouts) > _LONGEST_CELL, scene.method(key).title
             lines.append([title, "see below" if is_long else readouts, *[""] * (len(names) - 1)])
             remarks += [f"{title}: {readouts}"] * is_long
         else:
             cells = [x if isinstance(x := readouts[name], int) else short(x) for name in names]
-            lines.append([entry_of(key).title, *map(str, cells)])
+            lines.append([scene.method(key).title, *map(str, cells)])
     return lines, remarks

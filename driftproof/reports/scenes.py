@@ -49,8 +49,10 @@ def scene(
         listed = [dict(zip(header, row, strict=True)) for row in rows]
         return Answered(listed, lambda _: table([header, *rows], right=(2, 3, 4)))
     about = scene_given(name)
-    if keys := tuple(names_of(methods)):
-        about = replace(about, selected=keys[0], methods=keys, panels=tuple(dict.fromkeys((*about.panels, TABLE))))
+    keys, own = names_of(methods)
+    if keys:
+        panels = tuple(dict.fromkeys((*about.panels, TABLE)))
+        about = replace(about, selected=keys[0], methods=tuple(keys), own=own, panels=panels)
     if digits != DIGITS_UNASKED and not about.certified:
         raise ValueError(f"digits are for certified readouts, and scene {about.name!r} has none")
     if figures is not None:

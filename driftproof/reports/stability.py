@@ -9,6 +9,7 @@ from fractions import Fraction
 from math import ceil, inf, isfinite
 from typing import TypeVar
 
+import numpy as np
 from flint import ctx
 
 from driftproof.enclosure.problem_tables import GivenParameters
@@ -32,6 +33,7 @@ from driftproof.numeric.stability import (
     bounded_again,
     fastest_decay,
     fewest_steps,
+    in_balanced_units,
     largest_bounded,
     observe,
     stays_bounded,
@@ -191,15 +193,14 @@ def behaviour(method: Entry, problem: Problem) -> str:
 
 def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
     runs = advance(method, problem if rests_at_origin(problem) else replace(problem, field=_linear(found.rows)))
-    norm, limit = max(sum(abs(x) for x in row) for row in found.rows) or 1, _proved_limit(found)
-    step, components = runs, len(problem.start)
+    norm = float(np.abs(in_balanced_units(np.array(found.rows, dtype=float))).sum(axis=1).max()) or 1.0
+    limit, step, components = _proved_limit(found), runs, len(problem.start)
     if isinstance(runs, MultistepRun):
         step, components = runs.of_all, components * runs.method.steps
     is_bounded = lambda h: stays_bounded(step, components, h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
-    scale = 1 / float(norm)
-    low, high = largest_bounded(is_bounded, scale, float(proved))
-    again = bounded_again(is_bounded, high, scale * 2**LARGEST) if isfinite(high) else ()
+    low, high = largest_bounded(is_bounded, 1 / norm, float(proved))
+    again = bounded_again(is_bounded, high, 2**LARGEST / norm) if isfinite(high) else ()
     return {
         **limit,
         "at_infinity": _at_infinity_text(found.at_infinity()),

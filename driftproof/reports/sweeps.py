@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,9 @@ def sweep(
     if parameters and about.problem is None:
         raise ValueError("parameters are of a problem of your own; a scene has none to change")
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
-    axes: dict[str, Sequence[Any]] = {"selected": names_of(methods), "start": states, "t": times, "h": steps_of(h)}
+    keys, own = names_of(methods)
+    about = replace(about, own=own) if own else about
+    axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
     with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
@@ -84,11 +87,11 @@ def _scene_of(
     if not names_problem(given):
         return scene_given(str(given))
     problem = problem_given(given, parameters)
-    keys, steps = names_of(methods), steps_of(h)
+    (keys, own), steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
     readouts = ("state_error", *(("energy_change",) if problem.energy else ()), "evaluations")
-    return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem)
+    return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
 
 
 def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:

@@ -9,8 +9,19 @@ from fractions import Fraction
 
 import pytest
 from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
 
-from driftproof.enclosure.certificate import ALL_DIGITS, Certificate, Drift, Split, largest_of, right_digits
+from driftproof.enclosure.certificate import (
+    ALL_DIGITS,
+    Certificate,
+    Drift,
+    Split,
+    decimal,
+    largest_of,
+    largest_place,
+    right_digits,
+)
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.looping import exactly
 
@@ -86,6 +97,37 @@ def test_notebook_shows_a_table_of_few_points():
     assert "<th>rounding</th>" in html
     many = replace(PLAIN, t=(0.0,) * 1000, errors=ROWS[:1] * 1000, digits_at=(17,) * 1000)
     assert many._repr_html_().count("<tr>") == 13
+
+
+@pytest.mark.parametrize(
+    ("ball", "words"),
+    [
+        (arb(0), "0"), (arb(-0.75), "-0.7500000000"), (arb("1.23456789012e-4"), "0.0001234567890"),
+        (arb("1.23456789012e-5"), "1.234567890e-5"), (arb(0.9, 0.2), "[+/- 1.11]"), (arb(0, 0.5), "[+/- 0.501]"),
+        (arb("nan"), "nan"), (arb(1, 2**-10), "1.0"), (arb(2) ** -(10**6), "[1.01e-301030 +/- 3.42e-301035]"),
+    ],
+)  # fmt: skip
+def test_decimal_has_the_digits_that_the_ball_has(ball, words):
+    assert decimal(ball) == words
+
+
+@given(st.integers(10**12, 10**13), st.integers(1, 10**4))
+def test_both_ends_of_a_ball_round_to_its_decimal(middle, radius):
+    with ctx.workprec(128):
+        words = decimal((middle + arb(0, radius)) / 10**12)
+    places = len(words.partition(".")[2])
+    assert all(round(Fraction(end, 10**12), places) == Fraction(words) for end in (middle - radius, middle + radius))
+
+
+@pytest.mark.parametrize(
+    ("row", "place"),
+    [
+        ((arb(1, 2**-300), arb(1, 2**-299)), 1), ((arb(10) ** -400, -(arb(10) ** -330)), 1),
+        ((arb(10) ** 430, arb(10) ** 400), 0), ((arb(1), arb(-1), arb(1)), 0), ((arb(1, 2**-300), arb(1)), 0),
+    ],
+)  # fmt: skip
+def test_the_largest_place_is_that_of_the_larger_of_any_two_sizes(row, place):
+    assert largest_place([(), row]) == (1, place)
 
 
 def test_largest_is_a_ball_of_the_largest_size():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
@@ -139,6 +140,8 @@ def test_components_of_different_size_have_digits_and_tolerances_of_their_own():
     assert_accurate(([0.0, 1.0], rows), fall, [1e-3, 2e-6, 1e-12])
     with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-07: component 1 at t = 1, point 1 of"):
         assert_accurate(([0.0, 1.0], rows), fall, np.array([1e-3, 1e-7, 1e-12]))
+    with pytest.raises(AssertionError, match=r"^off by 1.00\d+e-6, more than 1e-12: component 1"):
+        assert_accurate(([0.0, 1.0], rows), fall, [1e-5, 1e-12, 1e-12])
     for wrong, words in (([1e-3, 1e-3], "one for each of the 3 comp"), ([1, 1, -1], "must be a number >= 0")):
         with pytest.raises(ValueError, match=words):
             assert_accurate(([0.0, 1.0], rows), fall, wrong)
@@ -170,6 +173,20 @@ def test_more_bits_are_taken_where_they_lead_further(refused_at, tried, monkeypa
     with pytest.raises(Refused, match="no further"):
         certify(decay, [10.0, 20.0], [[1.0], [0.4]])
     assert seen == [128 * 2**k for k in range(tried)]
+
+
+def test_two_threads_at_once_have_the_answers_of_one_alone():
+    """With 40 switches a millisecond; FLINT has one precision, and the first f is refused on the way to its jump."""
+    rubbed = lambda t, y: [y[1], -y[0] - 0.1 * np.sign(y[1])]
+    runs = [(rubbed, [0.0, 1.0], [[1.0, 0.0], [0.6, -0.8]]), (pendulum, [0.0, 5.0], [[2.0, 0.0], [-1.2, -1.2]])]
+    answer = lambda run: certify(*run).text()
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(25e-6)
+    try:
+        with ThreadPoolExecutor(2) as threads:
+            assert [*threads.map(answer, runs * 5)] == [*map(answer, runs)] * 5
+    finally:
+        sys.setswitchinterval(before)
 
 
 def test_trajectory_without_error_has_every_digit():

@@ -27,7 +27,7 @@ RUNS = Path(__file__).parents[2] / "examples" / "trajectories"
 
 
 def oscillator(t, y):
-    return [y[1], -y[0]]
+    return np.array([y[1], -y[0]])
 
 
 def classical(f, start, h, steps, number=np.float64):
@@ -117,8 +117,7 @@ def test_large_coefficients_that_cancel_in_a_long_step_are_no_other_method():
 
 
 def test_binary32_run_is_split():
-    found = certify(oscillator, *classical(lambda t, y: np.array([y[1], -y[0]]), [1, 0], 1 / 8, 40, np.float32),
-                    method="rk4")  # fmt: skip
+    found = certify(oscillator, *classical(oscillator, [1, 0], 1 / 8, 40, np.float32), method="rk4")
     # u = 6e-8 a step, 40 of them; the truncation at t = 5 is t h^4/120 = 1e-5.
     assert 1e-8 < max(abs(x) for x in found.split.rounding[-1]) < 40 * 6e-8
     assert 0.9e-5 < max(abs(x) for x in found.split.truncation[-1]) < 1.1e-5
@@ -191,6 +190,9 @@ OFF = STATES.copy()
 OFF[4, 0] += 1e-9
 AT_AN_EVENT = STATES.copy()
 AT_AN_EVENT[-1, 0] += 1e-9
+LONG = classical(oscillator, [1.0, 0.0], 1 / 64, 256)
+# The sixth of two hundred steps, which is not among the 64 that are looked at first, from a state that is spoilt.
+SPOILT = [*LONG[1][:6], *classical(oscillator, [0.99, -0.08], 1 / 64, 194)[1]]
 REFUSED = {
     r"y\[1\] is not one step of gauss3 from y\[0\]: off by 1\.8e-07, where rounding explains 6\.3e-08 at": (
         pendulum, TIMES, STATES, "gauss3"),
@@ -200,8 +202,12 @@ REFUSED = {
     r"y\[6\] is not one step of rk4 from y\[5\]: off by 1e-09.*; all before are: if an event ended the run": (
         pendulum, TIMES, AT_AN_EVENT, "rk4"),
     r"velocity_verlet needs y = \(q, v\) with q' = v and v' independent": (slow, TIMES, STATES, "velocity_verlet"),
-    r"y\[1\] is not 2 steps of rk38 from y\[0\]: off by 1\.6e-07, where rounding explains 1\.2e-12 at most": (
+    r"y\[1\] is not 2 steps of rk38 from y\[0\]: off by 1\.6e-07, where rounding explains 1e-12 at most": (
         pendulum, TIMES[::2], STATES[::2], "rk38", 1 / 8),
+    r"y\[1\] is not 100 steps of forward_euler from y\[0\]: off by 0\.0042, where rounding explains 3\.\de-11": (
+        oscillator, LONG[0][::64], LONG[1][::64], "forward_euler", "1/100"),
+    r"y\[6\] is not one step of rk4 from y\[5\]: off by 0\.0": (
+        oscillator, LONG[0][:201], SPOILT, "rk4"),
     r"t\[1\] = 0\.125 is not the first time plus a multiple of h = 0\.09": (pendulum, TIMES, STATES, "rk4", 0.09),
     r"h is -1; it must be positive": (pendulum, TIMES, STATES, "rk4", -1),
     r"h is nan; it must be positive and finite": (pendulum, TIMES, STATES, "rk4", float("nan")),
@@ -214,6 +220,15 @@ def test_what_is_no_run_of_the_method_is_refused_in_one_line(said):
     with pytest.raises(Refused, match=said) as caught:
         certify(f, times, states, method=method, h=h[0] if h else None)
     assert "\n" not in str(caught.value)
+
+
+def test_steps_in_which_rounding_may_have_grown_too_much_to_be_told_from_others_are_said_not_to_be_checked():
+    """y'' = y from (1, -1) is e^-t, and rounding grows as e^t: in 30 by 1e13, and its bound as well."""
+    saddle = lambda t, y: np.array([3 * y[1], y[0] / 3])
+    ends = [each[::1920] for each in classical(saddle, [1, -1 / 3], 1 / 64, 1920)]
+    found = certify(saddle, *ends, method="rk4", h=1 / 64)
+    assert found.record()["split"]["unchecked"] == [0]
+    assert "not checked to be its steps, as rounding may have grown too much: 1 of 1 interval, t" in found.text()
 
 
 def test_method_that_is_none_is_bad_input():

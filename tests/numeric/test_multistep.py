@@ -64,6 +64,7 @@ def test_first_values_are_those_of_the_named_method_and_runs_may_be_cut_anywhere
         assert tuple(after) == starter(tuple(before), H, i, i + 1)
     assert run(START, H, 0, 20) == found[20]
     assert run(found[7], H, 7, 20) == found[20]  # and what was held of step 7 is still what it was
+    assert found[7] != tuple(found[7])  # from which another run begins
 
 
 def test_starts_are_exact_enough_and_those_with_none_are_refused():

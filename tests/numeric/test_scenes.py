@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 
+from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.scenes import (
     LARGEST_LESSON_H,
@@ -44,6 +46,15 @@ def test_minimal_file_means_the_lesson_start_and_the_file_name(tmp_path: Path) -
     scene = read_scene(written(tmp_path, MINIMAL))
     assert scene == Scene("mine", "rk4", Q(1, 8), Q(10), readouts=("energy",))
     assert scene.steps == 80
+
+
+def test_methods_of_your_own_have_names_and_tell_scenes_apart(tmp_path: Path) -> None:
+    own = [replace(METHODS[key], key="mine") for key in ("heun2", "midpoint2")]
+    scenes = [Scene("x", "mine", Q(1, 4), Q(10), readouts=("energy",), own=(("mine", each),)) for each in own]
+    assert [scene.method("mine") for scene in scenes] == own
+    assert scenes[0] != scenes[1]
+    with pytest.raises(SceneError, match="a scene has no key 'own'"):
+        read_scene(written(tmp_path, MINIMAL + "own = []"))
 
 
 def test_full_file_is_read_as_written(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from driftproof.methods.given_methods import method_of
 from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
 from driftproof.reports import scene_view
@@ -108,7 +107,7 @@ def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = r
     parts = [element("h2", escaped(scene_title(scene))), element("p", escaped(setting(scene)), class_="setting")]
     if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
         options = [
-            Option(shown.identity_of(key), method_of(key).title, _method(shown, key)) for key in scene.every_method
+            Option(shown.identity_of(key), scene.method(key).title, _method(shown, key)) for key in scene.every_method
         ]
         first = scene.every_method.index(scene.selected)
         parts.append(choice(options, f"Method shown, {scene_title(scene)}", first))
@@ -140,7 +139,7 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
 
 def _method(shown: _Shown, key: str) -> str:
     """The readouts of one method, and its figures."""
-    scene, run, parts = shown.scene, shown.runs.get(key), [element("h3", escaped(method_of(key).title))]
+    scene, run, parts = shown.scene, shown.runs.get(key), [element("h3", escaped(shown.scene.method(key).title))]
     if isinstance(run, str):
         parts.append(element("p", escaped(run), class_="message"))
     elif run is not None:
@@ -163,7 +162,7 @@ def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
 
 
 def _table(shown: _Shown) -> str:
-    rows, remarks = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
+    rows, remarks = scene_view.comparison_rows(shown.scene, {key: shown.runs[key] for key in shown.scene.methods})
     compared = html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
     return compared + "".join(element("p", escaped(remark)) for remark in remarks)
 
@@ -172,7 +171,7 @@ def _work_precision(shown: _Shown) -> str:
     from driftproof.reports.page.work import work_curves, work_figure, work_table
     from driftproof.symbolic.claimed_orders import stated_orders
 
-    found, stated = work_curves(shown.scene), stated_orders(map(method_of, shown.scene.every_method))
+    found, stated = work_curves(shown.scene), stated_orders(map(shown.scene.method, shown.scene.every_method))
     figure = work_figure(found, shown.identity, shown.scene.t, shown.scene.steps).markup()
     return element("div", figure, work_table(found, stated), class_="beside")
 
@@ -180,7 +179,7 @@ def _work_precision(shown: _Shown) -> str:
 def _stability(shown: _Shown) -> str:
     from driftproof.reports.page.stability import growth_figure, verdict, verdicts_table
 
-    found = [verdict(key, shown.scene.h) for key in shown.scene.every_method]
+    found = [verdict(shown.scene.method(key), shown.scene.h) for key in shown.scene.every_method]
     figure = growth_figure(shown.scene, found, shown.identity).markup()
     return element("div", figure, verdicts_table(shown.scene, found), class_="beside")
 

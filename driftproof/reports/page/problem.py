@@ -75,7 +75,7 @@ def _scene(scene: Scene) -> str:
         said = html_table(rows, at) if readouts else ""
     if "table" not in shown:
         return said
-    rows, remarks = comparison_rows(shown["table"])
+    rows, remarks = comparison_rows(scene, shown["table"])
     return "".join([said, html_table(rows, f"All methods, {at}"), *(element("p", escaped(x)) for x in remarks)])
 
 

@@ -10,7 +10,9 @@ from math import ceil, floor, inf
 
 from flint import arb, ctx
 
+from driftproof.methods.catalogue import Entry
 from driftproof.methods.given_methods import method_of
+from driftproof.methods.schemes import Method
 from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
@@ -37,20 +39,20 @@ class Verdict:
     `limit` is the largest H such that powers are bounded for every h in (0, H).
     """
 
-    key: str
+    method: Method
     limit: Limit
     bounded: bool
     growth: CertifiableReal
 
 
-def verdict(key: str, h: Fraction) -> Verdict:
-    """The verdict on the method `key` at exactly this h. Raises ValueError at a pole of M(h)."""
-    facts = LinearFacts(method_of(key))
+def verdict(method: str | Entry, h: Fraction) -> Verdict:
+    """The verdict on a method at exactly this h. Raises ValueError at a pole of M(h)."""
+    facts = LinearFacts(method_of(method))
     radius = stability_limits.spectral_radius(exact_matrix_at(facts.method, h))
     growth = radius - 1 if isinstance(radius, Fraction) else lambda: enclose(radius) - 1
     boundary = stability_limits.boundary_of(facts.one_step_matrix)
     bounded = stability_limits.is_bounded(boundary, lambda p: sign(evaluate(p, scalar(h))))
-    return Verdict(key, facts.imaginary_limit, bounded, growth)
+    return Verdict(facts.method, facts.imaginary_limit, bounded, growth)
 
 
 def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
@@ -61,7 +63,7 @@ def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
         limit, decimal = _limit(found.limit)
         growth = significant(found.growth, GROWTH_DIGITS)
         powers = "bounded" if found.bounded else "unbounded"
-        rows.append([method_of(found.key).title, limit, decimal, beside(found.limit, scene.h), powers, growth])
+        rows.append([found.method.title, limit, decimal, beside(found.limit, scene.h), powers, growth])
     return html_table(rows, f"Decided exactly, for M(h) on the oscillator at h = {scene.h}", "verdicts")
 
 
@@ -106,18 +108,18 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     """‖Mⁿ‖ over n, in decades: the root mean square of |Mⁿz|/|z| over all directions of z, from the exact M."""
     end = max(LENGTHS * scene.steps, 1)
     counts = sorted({end * i // PLACES for i in range(PLACES + 1)})
-    curves = {found.key: _growth(found.key, scene.h, counts) for found in verdicts}
-    values = [value for curve in curves.values() for _, value in curve if value > -inf]
+    curves = [_growth(found.method, scene.h, counts) for found in verdicts]
+    values = [value for curve in curves for _, value in curve if value > -inf]
     low, high = floor(min(values)), ceil(max(values))
     low, high = (low, high) if high - low >= 2 else (-1, 1)
     x = linear(Fraction(0), Fraction(end), "steps n", WIDE[0])
     plot = Plot(x, decades(low, high, "growth after n steps", WIDE[1]))
-    for i, curve in enumerate(curves.values()):
+    for i, curve in enumerate(curves):
         plot.line([(n, value) for n, value in curve if value > -inf], f"path {line_style(i)}")
-    titles = [method_of(key).title for key in curves]
-    columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
+    titles = [found.method.title for found in verdicts]
+    columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves]
     rows = [list(row) for row in zip(map(str, counts), *columns, strict=True)]
-    lasts = [curve[-1][1] for curve in curves.values()]
+    lasts = [curve[-1][1] for curve in curves]
     ends = [f"{title} {10**last:.3g}" for title, last in zip(titles, lasts, strict=True) if last < 300]
     return Figure(
         identity=f"{identity}-growth",
@@ -133,9 +135,9 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     )
 
 
-def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
+def _growth(method: Method, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
     """(n, log₁₀ of the Frobenius norm of Mⁿ over √2); -inf for a power that is zero to FIRST_BITS bits."""
-    matrix, found = exact_matrix_at(method_of(key), h), []
+    matrix, found = exact_matrix_at(method, h), []
     with ctx.workprec(FIRST_BITS):
         balls = as_balls(matrix)
         for n in counts:

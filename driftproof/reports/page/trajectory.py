@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.methods.given_methods import method_of
 from driftproof.numeric.readouts import FloatState, exact_state
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
@@ -69,7 +68,7 @@ class SampledRun:
     @property
     def method(self) -> str:
         """The title of the method."""
-        return method_of(self.key).title
+        return self.scene.method(self.key).title
 
     def data(self, component: int) -> list[list[str]]:
         """Step, time, computed and exact value of the samples; of a long run, of at most MOST_ROWS and the last."""

@@ -35,7 +35,7 @@ def work_curves(scene: Scene) -> list[Curve]:
     """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
         raise ValueError(f"scene {scene.name!r}: comparing work needs t > 0")
-    problem, methods = problem_of(scene), map(method_of, scene.every_method)
+    problem, methods = problem_of(scene), map(scene.method, scene.every_method)
     most = {True: FINEST, False: FINEST_IMPLICIT}
     return [curve_of(each, problem, halved_and_doubled(scene.steps, most[each.explicit])) for each in methods]
 
@@ -51,7 +51,7 @@ def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:
 
 def problem_of(scene: Scene) -> Problem:
     """The oscillator from the scene's start to its t; the reference is the exact state, to REFERENCE_DIGITS digits."""
-    exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
+    exact = OscillatorRun(method_of(scene.method(scene.selected)), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
     reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, in ball arithmetic")
     return replace(HARMONIC, key="scene", start=scene.start, reference=reference, energy=None, expected={})
