@@ -233,7 +233,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
 
 def shown_twice(values: Readouts) -> dict[str, tuple[str, str]]:
     """State error and energy change, each as text of the readouts and of the table."""
-    (_, row), _ = comparison_rows({EULER: values})
+    (_, row), _ = comparison_rows(PRESETS["default"], {EULER: values})
     return {
         name: (readout_rows({name: values[name]})[0][1], cell)
         for name, cell in zip(COMPARED_READOUTS[:2], row[1:3], strict=True)

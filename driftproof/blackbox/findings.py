@@ -52,8 +52,6 @@ class NothingReturned(NotANumber):
 class AskedAtNoState(NotANumber):
     """The step asks for its right-hand side at what is no real state."""
 
-    kind = NotANumber.kind
-
 
 class Increment(Misbehaviour):
     """The answer is the increment y1 - y instead of y1."""

@@ -52,9 +52,10 @@ class Finding:
 
 @dataclass(frozen=True)
 class CheckedClaim:
-    """A claim checked against a text: the matches of its phrase with the right values, and its findings."""
+    """A claim checked against a text: how its values are spelled, where its phrase has them, and its findings."""
 
     claim: Claim
+    spellings: Spellings
     occurrences: list[re.Match[str]]
     findings: tuple[Finding, ...]
 
@@ -65,7 +66,7 @@ def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedCla
     places = [place.span() for one in found if len(one.occurrences) <= one.claim.count for place in one.occurrences]
     held = frozenset(at for span in places for at in range(*span))
     return [
-        check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else replace(one, findings=untrue)
+        check_claim(document, one.claim, one.spellings, held) if one.findings else replace(one, findings=untrue)
         for one, untrue in zip(found, _untrue(document, found), strict=True)
     ]
 
@@ -103,10 +104,10 @@ def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Se
     elsewhere = [x for one in found if (x := _of_other_column(document, claim, one))]
     found = [one for one in found if not _of_other_column(document, claim, one)]
     if elsewhere and len(found) < claim.count:
-        return CheckedClaim(claim, found, tuple(elsewhere[:_MOST_FINDINGS]))
+        return CheckedClaim(claim, spellings, found, tuple(elsewhere[:_MOST_FINDINGS]))
     more = len(found) > claim.count
     wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
-    return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
+    return CheckedClaim(claim, spellings, found, () if len(found) == claim.count else tuple(wrong))
 
 
 def _at_address(
@@ -143,8 +144,9 @@ def others_in_phrases(
 ) -> list[str]:
     """The numbers, of these that nothing accounts for, that stand where a claim that holds has another one."""
     left, found = {x.start: x.text for x in open_ones}, dict[int, str]()
-    for claim in (one.claim for one in checked if one.occurrences and not one.findings and one.claim.phrase.names):
-        shape, _ = claim.phrase.shape(claim.spellings())
+    for one in (one for one in checked if one.occurrences and not one.findings and one.claim.phrase.names):
+        claim = one.claim
+        shape, _ = claim.phrase.shape(one.spellings)
         if any(re.search(r"[^\W\d_]{2}", text) for text in claim.phrase.literals):  # not a number alone
             for match in _at_address(document, claim, re.compile(f"(?={shape.pattern})", shape.flags), _MOST_COMPARED):
                 places = map(match.start, range(1, len(match.groups()) + 1))

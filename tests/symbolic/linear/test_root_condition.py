@@ -80,8 +80,10 @@ def test_a_limit_is_where_a_root_leaves_and_not_where_two_pass_inside():
     assert radical_form(root_condition_limit(of("0 0 1"), of("-1"))) == "1"
     assert radical_form(root_condition_limit(of("-1/2 1"), of("1/4"))) == "6"
     assert radical_form(root_condition_limit(of("1 -2 1"), of("0 1"))) == "4"
-    assert root_condition_limit(of("0 1"), of("0 1")) is INFINITY
-    assert radical_form(root_condition_limit(of("0 -1 1"), of("0 0 -1/2"))) == "0"
+    assert root_condition_limit(of("0 1"), of("1/4 1")) is INFINITY
+    assert radical_form(root_condition_limit(of("1 -1"), of("0 0 -1/2"))) == "0"
+    with pytest.raises(ValueError, match="common root"):
+        root_condition_limit(of("0 1"), of("0 1"))
 
 
 def test_roots_stay_inside_up_to_a_limit_at_which_the_largest_in_floats_is_on_the_circle():
