@@ -38,7 +38,7 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     for entry in entries:
         seen = _seen_text(entry["seen"], by_rounding=entry["limit"] == "oo")
         rows.append([entry["method"], limit_text(entry), seen, _short(entry["at_infinity"]) or "none"])
-    notes = ["observed: the powers of the float step's matrix stay below 1e9"]
+    notes = ["observed: the powers of the float step's matrix, in balanced units, stay below 1e9"]
     if any("again" in entry["seen"] for entry in entries):
         notes.insert(0, "proved: for every h from 0 on; what is bounded again beyond is only observed")
     if any("started" in entry for entry in entries):
