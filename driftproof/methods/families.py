@@ -14,7 +14,6 @@ from fractions import Fraction
 from functools import cache, reduce
 from typing import TYPE_CHECKING, TypeAlias
 
-from driftproof.methods.expressions import evaluate_expression
 from driftproof.methods.names import KeyedTable, UnknownKey
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
@@ -113,6 +112,8 @@ def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
 
     Raises ValueError, in one line that begins with `what`.
     """
+    from driftproof.methods.expressions import evaluate_expression  # not needed for methods without a parameter
+
     unknown = f"is an unknown name; the parameter is {parameter}"
     value = evaluate_expression(text, {parameter: parameter_function((0, 1))}, what, unknown)
     if not isinstance(value, ParameterFunction | Fraction):

@@ -1,4 +1,7 @@
-"""Methods as users give them: by key or name, by file, as objects, one or several."""
+"""Methods as users give them: by key or name, by file, as objects, one or several.
+
+The readers of files and of expressions are imported when something is to be read: most methods are given by key.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +20,9 @@ from driftproof.methods.catalogue import (
     names_listed,
     of_one_state,
 )
-from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.names import plain_name
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import read_method
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import shortened
 
@@ -79,11 +80,15 @@ def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | 
         raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
     if name.endswith(".toml"):
+        from driftproof.methods.tableau_file import read_method
+
         return read_method(file_named(name))
     of, at, value = f"{name} ".rpartition(" at ")
     if at and not keys_of_name(name):
         if not isinstance(family := subject_of(of), Family):
             raise ValueError(f"{family.key} has no parameter; only families such as sdirk_order_2 do")
+        from driftproof.methods.expressions import parse_number
+
         return family.member(parse_number(value.strip(), family.parameter))
     families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
     called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))
