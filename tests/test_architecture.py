@@ -66,12 +66,12 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5513,
+    "methods": 5519,
     "symbolic": 10767,
     "numeric": 4464,
-    "blackbox": 22663,
+    "blackbox": 22661,
     "enclosure": 5682,
-    "texts": 10672,
+    "texts": 10674,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6194
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
