@@ -37,6 +37,10 @@ class WrongShape(Misbehaviour):
     """The answer does not hold as many numbers as went in."""
 
 
+class WrongAnswer(WrongShape):
+    """The answer is understood, and no step or run gives it."""
+
+
 class PositionsAlone(WrongShape):
     """A run returns its positions without velocities."""
 

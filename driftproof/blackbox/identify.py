@@ -136,12 +136,15 @@ def _identified(runner: IsolatedRunner) -> Report:
     # If later steps depend on earlier ones by no known recurrence, only the first step was read.
     remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
     later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
+    target = runner.target
     if REMEMBERS in read.traits and make_anew(runner):
-        read, dense, steps = runner.run([read_coefficients, judged_dense, later_steps])
-        alone = steps.result is None or steps.result.holds is not False
-        later = later or (
-            GOES_ON if alone else f"this holds for its first step only: {steps.seen or steps.result.words}"
-        )
+        of_copies, of_dense, steps = runner.run([read_coefficients, judged_dense, later_steps])
+        if of_copies.failed:  # it is random, say
+            runner.turn_to(target)
+        else:
+            read, dense = of_copies, of_dense
+            alone = steps.result is None or steps.result.holds is not False
+            later = later or (GOES_ON if alone else f"this holds for its first step only: {steps.result.words}")
     order = runner.outcome_of(partial(measured_orders, explicit=not (read.failed or read.result.implicit)))
     return identification(runner, read, order, dense, later).report
 

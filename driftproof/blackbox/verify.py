@@ -66,7 +66,7 @@ def verify(
     coefficients are read, its steps of a nonlinear problem with t are compared with the method's own, and its order is
     measured there. A built-in system is q'' = -q, one read from short steps (then undecided), or the one given with
     `system`, f(t, y) or f(y): its steps are compared with the method's steps on that system; y holds the step's numbers
-    in the step's order, and `examples` has no effect.
+    in the step's order. `examples`, the smallest sizes and all allowances but `solver_tolerance` are then refused.
 
     The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
     seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
@@ -151,7 +151,8 @@ def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -
     given = {"examples": examples} if examples != EXAMPLES else {}
     for mine, other in ((domain, usual), (allowance, plain)):
         given |= {name: x for name, x in vars(mine).items() if x != getattr(other, name)}
-    for name, x in given.items():
+    if given:
+        name, x = next(iter(given.items()))
         raise ValueError(f"{name}={x} has no effect with a system")
 
 

@@ -75,7 +75,7 @@ def identify_command(options: Namespace) -> str:
     *TARGET,
     SOLVER_OPTION,
     SYSTEM_OPTION,
-    METHOD_OPTION("a key of `driftproof methods`, a .toml file, or boris", required=True),
+    METHOD_OPTION("a key of `driftproof methods`, a .toml file, boris, or abm2 to abm6 (PECE)", required=True),
 )
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.

@@ -24,7 +24,7 @@ BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
 _DIGITS = 25
 # Those of balls in words, and the least number without an exponent there.
 _DIGITS_SHOWN, _LEAST_PLAIN = 10, Fraction(1, 10**4)
-# With more bits than from the first of a ball's middle to the last of its radius, sums of the two are exact.
+# So many bits hold the sum of a ball's middle and radius exactly, unless they are farther apart than any in use.
 _BITS_OF_ANY_BALL = 2**18
 # The most rows of the table in a notebook, and the most constants that the text lists: a dense system has thousands.
 _MOST_SHOWN = 12

@@ -195,9 +195,8 @@ def assert_accurate(
     The errors are those against the true solution through the first point: what was lost before that point, for example
     if SciPy's `t_eval` leaves out the start, is not seen.
     Raises AssertionError with the point whose error is the largest multiple of its tolerance, and with that error, and
-    Refused if nothing can be proved. `solution`
-    is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of the solver are given, the message compares
-    the error with what they promise, which is only the error of a single step.
+    Refused if nothing can be proved. `solution` is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of
+    the solver are given, the message compares the error with what they promise, which is only the error of one step.
 
     >>> from driftproof import assert_accurate
     >>> rows = [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]]

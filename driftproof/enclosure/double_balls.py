@@ -87,10 +87,11 @@ def convolved(a: DoubleBalls, b: _Array) -> DoubleBalls:
 
 
 def _product(multiply: Callable[[_Array, _Array], _Array], a: DoubleBalls, b: _Array, terms: int) -> DoubleBalls:
-    """Sums of at most so many products of entries of a and of b."""
+    """Sums of at most so many products of entries of a and of b; one that overflows may be any number."""
     c = 2 * (terms + 4) * _U
     rad = multiply(a.rad + c * np.abs(a.mid), np.abs(b)) * (1 + c) + terms * _TINY
-    return DoubleBalls(multiply(a.mid, b), rad)
+    mid = multiply(a.mid, b)
+    return DoubleBalls(mid, np.where(np.isfinite(mid), rad, np.inf))
 
 
 def summed(sizes: _Array, axis: Any = None) -> Any:

@@ -6,7 +6,6 @@ import linecache
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
@@ -24,14 +23,15 @@ from driftproof.methods.number_field import dyadic
 Value: TypeAlias = Any
 # Whose lines are not the user's, and how much of one of these is quoted.
 _OURS, _LONGEST_LINE = ("driftproof", "numpy", "scipy"), 80
-# How many refusals this thread has made: one more after a run of f is one that f has caught.
-REFUSED_SO_FAR = ContextVar("refusals made", default=0)
 _ONE_THREAD = RLock()
 
 
 @contextmanager
 def in_bits(bits: int) -> Iterator[None]:
-    """Compute with so many bits, and no other thread meanwhile: FLINT's precision is that of the whole process."""
+    """Compute with so many bits, and no other enclosure meanwhile: FLINT's precision is that of the whole process.
+
+    Other code that sets FLINT's precision must not run in another thread.
+    """
     with _ONE_THREAD, ctx.workprec(bits):
         yield
 
@@ -49,10 +49,13 @@ class Refused(ArithmeticError):
     `t` is the time that the enclosure reached if more bits may lead further, else None.
     """
 
+    # The number of refusals made so far, in any thread: if it has grown when a run of f ends normally, f caught one.
+    made = 0
+
     def __init__(self, message: str, t: Fraction | None = None) -> None:
         super().__init__(message)
         self.t = t
-        REFUSED_SO_FAR.set(REFUSED_SO_FAR.get() + 1)
+        Refused.made += 1
 
 
 class Stiff(Refused):

@@ -101,6 +101,8 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
             if abs(t - given) > _OFF_GRID * exact:
                 raise Refused(f"t[{i}] = {run.times[i]} is not the first time plus a multiple of h = {float(exact)!r}")
         counts, sizes = [b - a for a, b in pairwise(at)], [exact] * (len(at) - 1)
+    if 0 in counts:
+        raise Refused(f"two of the times are the same multiple of h = {float(sizes[0])!r}")
     if sum(counts) > MOST_STEPS_EXACTLY:
         raise Refused(f"{sum(counts)} steps are too many to run exactly; at most {MOST_STEPS_EXACTLY}")
     plan = StepPlan(enclosable(f), found, tuple(starts), tuple(counts), tuple(sizes))
@@ -163,9 +165,9 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
 def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = ()) -> tuple[int, ...]:
     """The intervals that may not be told from steps of another method, as rounding may have grown too much in them.
 
-    Raises Refused if a point is not the planned number of steps after the one before, up to rounding. Beside the rows
-    of the `exact` run, all intervals are looked at, and first whether the run is still as near to it as rounding in
-    this interval alone would leave it; without them, some, and none of too many steps.
+    Raises Refused if a point is not the planned number of steps after the one before, up to rounding. Given the rows of
+    the `exact` run, every interval is checked, but for those at whose end the run is within one interval's rounding of
+    it. Without them about `MOST_LOOKED_AT` steps are checked, evenly spread, and no interval of more steps than that.
     """
     step = exact_step(plan.method, plan.f, len(run.states[0]))
     per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)
@@ -176,9 +178,10 @@ def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = 
         if not exact and isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, *_linearised_at(plan, plan.starts[i], y))
         sizes = size(y) + size(after)
-        close = plan.counts[i] * per_step * sizes
+        close = min(plan.counts[i] * per_step, LEAST_TELLING) * sizes
         far = size(x - z for x, z in zip(after, exact[i + 1], strict=True)) if exact else arb(0)
-        if far <= close if exact else plan.counts[i] > MOST_LOOKED_AT:
+        skipped = bool(far <= close) if exact else plan.counts[i] > MOST_LOOKED_AT
+        if skipped:
             continue
         made, allowed = _with_rounding(plan, step, i, y, per_step)
         off = size(x - z for x, z in zip(after, made, strict=True))
@@ -196,7 +199,10 @@ def _linearised_at(plan: StepPlan, t: Fraction, y: Row) -> tuple[list[arb], list
 def _with_rounding(
     plan: StepPlan, step: Callable[[Row, Fraction, Fraction], Row], i: int, y: Row, per_step: float
 ) -> tuple[Row, arb]:
-    """The planned steps from y, and a bound of what rounding makes of them, which grows by exp(h |J|) in each step."""
+    """The planned steps from y, and what is allowed for rounding: so many roundings in each step.
+
+    They grow by exp(h |J|), J at the start of each further step. No proof depends on it.
+    """
     h, allowed = plan.sizes[i], arb(0)
     for k in range(plan.counts[i]):
         t = plan.starts[i] + k * h
@@ -219,7 +225,7 @@ def _not_its_steps(plan: StepPlan, run: Trajectory, i: int, off: arb, allowed: a
     ending += "; all before are: if an event ended the run, leave out the last point" if last else ""
     return (
         f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
-        f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
+        f"{float(off):.2g}, where {float(allowed):.2g} is allowed for rounding: another method, another f or "
         "parameter, digits cut in a file, steps left out (give h), a stage at a jump of f, or SciPy's t_eval"
         f"{ending}; without a method, the total error is certified"
     )

@@ -18,7 +18,7 @@ import numpy as np
 
 from driftproof.enclosure.array_functions import MATH, NUMPY, REPLACED, FloatOrEnclosed, array_of, chosen_by
 from driftproof.enclosure.data import spline_of
-from driftproof.enclosure.evaluations import REFUSED_SO_FAR, Evaluation, Refused
+from driftproof.enclosure.evaluations import Evaluation, Refused
 from driftproof.enclosure.numbers import Enclosed, enclosed
 from driftproof.enclosure.scipy_functions import OF_SCIPY, Sparse, is_sparse
 from driftproof.support.plain_text import counted
@@ -46,7 +46,7 @@ def enclosed_values(
     name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
 ) -> list[Enclosed]:
     """The values of a user's function of an array, in the arithmetic of y. Raises Refused if it cannot run in it."""
-    refusals, given = REFUSED_SO_FAR.get(), array_of(y)
+    refusals, given = Refused.made, array_of(y)
     try:
         values = np.asarray(function(given), dtype=object).ravel()
     except Refused:
@@ -64,7 +64,7 @@ def enclosed_values(
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if any(x is not own for x, own in zip(given, y, strict=True)):
         WRITTEN.set(True)
-    if REFUSED_SO_FAR.get() > refusals:  # floats may take another path
+    if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
     made = (enclosed(evaluation, x) for x in values)
     return [x for each in made for x in (each.ravel() if isinstance(each, np.ndarray) else (each,))]

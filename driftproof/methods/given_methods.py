@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import (
+    FURTHER_METHODS,
     METHODS,
     Entry,
     FurtherMethod,
@@ -108,8 +109,9 @@ def names_of(given: GivenMethods) -> tuple[list[str], NamedMethods]:
         if isinstance(each, str | Path):
             named.append(str(each))
             continue
-        known = METHODS.get(each.key)
-        named.append(each.key if known in (None, each) else f"{each.key} of your own")
+        known = METHODS.get(each.key) or FURTHER_METHODS.get(each.key)
+        taken = known != each and keys_of_name(each.key)
+        named.append(f"{each.key} of your own" if taken else each.key)
         if known != each and own.setdefault(named[-1], each) != each:
             raise ValueError(f"two methods have the key {named[-1]}; give each a key of its own")
     return named, tuple(own.items())

@@ -164,8 +164,8 @@ def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
 def _sin(x: Decimal) -> Decimal:
     """sin x by Taylor's series for |x| <= 1, from which sin 3x = 3 sin x - 4 sin³x leads to any x.
 
-    This multiplies errors by at most 3 + 6 = 9, so that log₃|x| < 2.1 log₁₀|x| such steps cost two digits for each of
-    |x|; five more are for what the series rounds.
+    Each such step multiplies an error by |3 - 12 sin²x| <= 9, and there are fewer than 2.1 log₁₀|x| + 1: two digits for
+    each of |x|; five more are for the last step and for what the series rounds.
     """
     if x.adjusted() > _LARGEST_ANGLE:
         raise InvalidOperation

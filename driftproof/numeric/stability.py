@@ -140,9 +140,9 @@ def powers_stay_bounded(matrix: _Matrix) -> bool:
 def in_balanced_units(matrix: _Matrix) -> _Matrix:
     """The matrix in units 2**e of its components, chosen from it alone: entries (i, j) times 2**(eⱼ - eᵢ).
 
-    Where components act on each other, rows and columns have about the same sum (osborne-1960). Others, on which they
-    act and which do not act back, have units in which the largest of these entries is about as large as any of the
-    former: a Jordan block grows however small its entry is.
+    Groups of components that act on each other are balanced: rows and columns have about the same sum (osborne-1960). A
+    group on which others act one way gets a unit in which the largest entry from them is about the largest within
+    groups, so that a Jordan block grows however small its entry is.
     """
     n, e = len(matrix), np.zeros(len(matrix), dtype=int)
     with np.errstate(divide="ignore"):

@@ -277,7 +277,7 @@ def _proved_at(found: LinearSystem, h: Fraction) -> Json:
         if bounded is False and not enclose(factor) > 1:  # it is another one that grows
             factors = [(float(enclose(found.factor_at(e, h))), e) for e, _ in found.bounds]
             largest, other = max(factors, key=lambda each: each[0])
-            if largest > 1:
+            if largest >= 1:
                 answer["grows"] = {"eigenvalue": eigenvalue_text(other), **_factor(found.factor_at(other, h))}
         return answer
     except ArithmeticError as reason:  # Uncertified, or a pole

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.given_methods import GivenMethods, methods_of
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import progress_bar
@@ -66,7 +66,9 @@ def work_precision(
     usual = _FOR_STIFF if decay * about.t >= STIFF_DECAY else WORK_PRECISION_METHODS
     asked = methods_of(methods or usual)
     errors = error.split(",") if isinstance(error, str) else error if isinstance(error, Sequence) else [error]
-    wanted = [float(Fraction(x)) for x in errors]
+    wanted = [x if isinstance(x, float) else float(exact_number(x, "error")) for x in errors]
+    if not all(x > 0 for x in wanted):
+        raise ValueError(f"error = {error}; must be positive")
     study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), wanted)
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:

@@ -20,6 +20,8 @@ def test_scene_names_a_method_by_its_key_its_file_or_itself() -> None:
     named, known = names_of([own, "rk4", other, own])
     assert named == ["rk4 of your own", "rk4", "mine", "rk4 of your own"]
     assert known == (("rk4 of your own", own), ("mine", other))
+    for taken in ("euler", "bdf2"):  # a common name, and a key of which there are only facts
+        assert names_of(replace(own, key=taken))[0] == [f"{taken} of your own"]
     with pytest.raises(ValueError, match="two methods have the key rk4 of your own; give each a key of its own"):
         names_of([own, replace(own, title="Another")])
 

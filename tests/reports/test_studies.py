@@ -58,6 +58,12 @@ def test_a_stiff_problem_is_told_so_and_gets_implicit_methods(monkeypatch):
     assert ["radau_iia2" in [method.key for method in methods] for methods in asked] == [True, False]
 
 
+@pytest.mark.parametrize("error", ["1/0", "0", [1e-3, -1e-6]])
+def test_an_error_to_reach_is_positive(error):
+    with pytest.raises(ValueError, match="error"):
+        studies.work_precision("dahlquist_1", ["forward_euler"], error=error)
+
+
 def test_numbers_may_be_text_and_scenes_a_list():
     found = driftproof.work_precision("dahlquist_1", ["forward_euler"], error="1e-2,0.001", time_limit="1e-4")
     assert re.findall(r"(?m)^For an error of at most (\S+) at the end", str(found)) == ["1e-2", "1e-3"]

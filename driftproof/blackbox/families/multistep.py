@@ -53,8 +53,6 @@ class Corrected(Multistep):
     """
 
     corrector: Multistep | None = None
-    predictor: str = ""
-    corrections: int = 1
 
     @classmethod
     def named(cls, name: object) -> Corrected | None:
@@ -68,7 +66,7 @@ class Corrected(Multistep):
         predictor = f"adams_bashforth{order}"
         given = {each.name: getattr(plain, each.name) for each in fields(plain)}
         key = recurrences.corrected_name(plain.key, predictor, often)
-        return cls(**{**given, "key": key}, corrector=plain, predictor=predictor, corrections=often)
+        return cls(**{**given, "key": key}, corrector=plain)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ _NEEDED: dict[type, str] = {
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
-GOES_ON = "remark: it remembers its last step: one from elsewhere than that ended, or after a rejected one, is another"
+GOES_ON = "remark: it remembers its last step: a step from another state, or after a rejected one, is different"
 # What was read of a stepper: the verdict, the evidence, and how it compares with a method.
 FamilyReading: TypeAlias = MultistepReading | RosenbrockIdentity | ImexIdentity | MagneticReading | QuaternionReading
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}

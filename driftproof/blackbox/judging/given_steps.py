@@ -36,9 +36,6 @@ from driftproof.support.plain_text import counted
 # Such errors hardly ever add up as they might: the farthest end of eight counts four times, which is more than the sum
 # of all of them in their worst signs as long as they are fewer than some forty.
 _SAMPLES, _ROUNDED, _WORST = 8, 16, 4
-# A code that computes with larger numbers than f does, such as degrees above the absolute zero, rounds more than that.
-# Its own rounding shows as a difference from the method's step that jumps from state to state, while what is wrong in
-# it hardly changes between states that agree in half of their digits.
 # Stages are iterated until they change by no more: far above the rounding of sums, and below the tolerance of solvers.
 _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
@@ -157,7 +154,12 @@ class GivenSteps(OwnSteps):
         return off(unsure.step(method, t, off(y), h))
 
     def _jumps(self, method: Method, t: float, y: Sequence[float], h: float, off: Array, draw: Random) -> Array:
-        """The largest jump of the difference from the method's step, from a state to its neighbours."""
+        """The largest jump of the difference from the method's step, from a state to its neighbours.
+
+        A code that computes with larger numbers than f does, such as degrees above the absolute zero, rounds more than
+        f; that jumps from state to state, while what is wrong hardly changes between states that agree in half of their
+        digits.
+        """
         jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
         for _ in range(_SAMPLES):
             z = [self._number(x + self._half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
@@ -182,22 +184,24 @@ class GivenSteps(OwnSteps):
             allowed = allowed + _SETTLED * size + solved * (1 + size)
         seen = [float(x) for x in self.end(t, y, h)]
         off = np.subtract(seen, told)
-        right = rough = bool((np.abs(off) <= allowed).all())
-        if not right:
+        right = within = bool((np.abs(off) <= allowed).all())
+        if not within:
             with suppress(Misbehaviour, ArithmeticError):
                 jumps = _WORST * self._jumps(method, t, y, h, off, draw)
                 small = jumps.max() <= self._half * max(size, *map(abs, self.states[0]))
                 right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
         at = f" at t = {t:g}" * bool(t)
         wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
-        return Beside(seen, told, self._apart(y, seen, told), wrong * (not right), right and not rough)
+        return Beside(seen, told, self._apart(y, seen, told), wrong * (not right), right and not within)
 
     def _whole_turns(self, t: float, one: Beside) -> bool:
         """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
         turns = np.subtract(one.end, one.told) / (2 * pi)
-        slopes, others = self.rates(t, one.end), self.rates(t, one.told)
-        same = np.allclose(slopes, others, self._half, self._half * max(map(abs, others)))
-        return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self._half)
+        with suppress(ArithmeticError):  # where a step ends wrongly, there may be no slopes
+            slopes, others = self.rates(t, one.end), self.rates(t, one.told)
+            same = np.allclose(slopes, others, self._half, self._half * max(map(abs, others)))
+            return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self._half)
+        return False
 
     def near(self, wanted: Specification, about: str = "") -> StepFinding:
         """Compare steps of ordinary size with the method's; `about` is the system in words.

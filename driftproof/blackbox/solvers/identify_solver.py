@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from driftproof.blackbox.families.multistep import Corrected
 from driftproof.blackbox.findings import INSTRUMENT_FAILED, NO_EVIDENCE, BadInput, Outcome, StepRaised, WrongShape
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.matching.match import match_method
@@ -63,7 +64,7 @@ def identify_solver(
     >>> print(report.verdict.partition(";")[0])
     it advances forward_euler, of order 1
     """
-    wanted = None if method is None else subject_of(method)
+    wanted = None if method is None else Corrected.named(method) or subject_of(method)
     if isinstance(wanted, Family):
         wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
@@ -119,7 +120,7 @@ def _held(
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
         return replace(report, verdict=verdict, passed=passed)
     if isinstance(steps, SolverMemory):
-        same = steps.key == method.key
+        same = steps.key is not None and (Corrected.named(steps.key) or steps).key == method.key
     else:
         same = isinstance(method, Method) and bool(match_method(steps.reading, method).matches)
     if not same:

@@ -20,6 +20,7 @@ from driftproof.blackbox.findings import (
     NothingReturned,
     PositionsAlone,
     StepRaised,
+    WrongAnswer,
     WrongShape,
 )
 from driftproof.blackbox.stepper import calling_conventions as calling
@@ -324,10 +325,12 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
         raise PositionsAlone(f"of {steps} steps it returns {steps + 1} positions and no velocities")
     made = "one step" if steps == 1 else f"{steps} steps"
     why = f"not {'two' if steps == 1 else steps + 1} states"
+    said = f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, "
     if table.shape == (steps + 1, size):
-        alike = bool(np.all(table == table[0]))
-        why = "whose rows are all equal, as of one array appended again and again" if alike else "not from the start on"
-    raise WrongShape(f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, {why}")
+        if np.all(table == table[0]):
+            raise WrongAnswer(f"{said}whose rows are all equal, as of one array appended again and again")
+        why = "not from the start on"
+    raise WrongShape(said + why)
 
 
 def _states_of_generator(

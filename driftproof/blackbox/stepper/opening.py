@@ -288,12 +288,14 @@ class Target:
         try:
             subject = opened(own or step, self.calls, array, before, after, self.keeps)
             return subject.with_copies() if self.anew and own else subject
-        except (findings.NothingReturned, findings.AskedAtNoState):
+        except (findings.NothingReturned, findings.AskedAtNoState, findings.WrongAnswer):
             raise
         except (findings.WrongShape, findings.NotANumber) as unread:
-            subject = ForeignStepper(step, calling.conventions_of(step, self.calls)[0], ARRAYS)
-            words = f"{calling.signature_text(step)} cannot be read: {unread}{wrappers.answer_wrapper(subject)}"
-            raise findings.BadInput(words) from unread
+            line = ""
+            with suppress(ValueError):  # a form that is no convention by itself has no wrapper of a line
+                convention = calling.conventions_of(step, self.calls)[0]
+                line = wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))
+            raise findings.BadInput(f"{calling.signature_text(step)} cannot be read: {unread}{line}") from unread
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:

@@ -266,8 +266,9 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
     if calling.FUNCTION not in roles:
         if (record := record_of(step, partial(called, None))) is not None:
-            free = _form(called, record, False, "", False)
-            yield lambda q, v, h: free(None, q, v, h)
+            if not record.slopes:  # a slope that is handed on has no function to be asked for
+                free = _form(called, record, False, "", False)
+                yield lambda q, v, h: free(None, q, v, h)
         elif found := fields_of(step, partial(called, None)):
             yield from _of_numbers(partial(called, None), *found)
         return

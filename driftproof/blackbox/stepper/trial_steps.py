@@ -18,6 +18,7 @@ from driftproof.blackbox.findings import (
     NotANumber,
     OwnClock,
     StaleSlope,
+    WrongAnswer,
     WrongShape,
 )
 from driftproof.blackbox.stepper import array_adapters as adapters
@@ -131,7 +132,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers
         two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
         if np.array_equal(two, end) or [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]:
-            raise WrongShape("a run of two steps ends where one of one step does, or moves more numbers")
+            raise WrongAnswer("a run of two steps ends where one of one step does, or moves more numbers")
     if subject.convention.run and calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]:
         trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
@@ -139,7 +140,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.adapter in SYSTEMS:
         start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
         if not np.allclose(subject.step_state(start, TINY**8), start, rtol=0, atol=NEAR):
-            raise WrongShape(f"{len(start)} numbers jump, however short the step is")
+            raise WrongAnswer(f"{len(start)} numbers jump, however short the step is")
     if subject.log.carried is not None:
         _require_slope_at_end(subject, end)
         _require_time_of_end(subject, TRIAL_STATE[: len(end)])

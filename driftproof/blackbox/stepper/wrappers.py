@@ -71,7 +71,12 @@ def increment_wrapper(subject: ForeignStepper) -> str:
 
 
 def answer_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that returns the new state alone, of which only the place in the answer is not known."""
+    """The wrapper that returns the new state alone, of which only the place in the answer is not known.
+
+    There is none, "", of a step that takes more than a state, f, a time and a step size.
+    """
+    if {*subject.convention.order} - {*ARGUMENTS}:
+        return ""
     of_state = calling.STATE in subject.convention.order
     body, what = ("{}[HERE]", "the new state stands") if of_state else ("[{}[i] for i in HERE]", "q1 and v1 stand")
     return f"{call_wrapper(subject, f'return {body}')}  # HERE: where {what}"

@@ -148,7 +148,7 @@ def _sizes(method: Method, fmt: FloatFormat, growth: arb, factor: arb | None = N
 
 
 def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -> list[Columns]:
-    """The differences of bounds, which are >= 0; where a ball contains 0, its upper end, so that nothing is lost."""
+    """The differences of bounds, which are >= 0; where a ball contains 0, a bound of its size: nothing is lost."""
     return [
         [
             arb_poly([c.abs_upper() if c.contains(0) else c for c in (x - y).coeffs()])

@@ -83,7 +83,8 @@ class NamedPlaces:
     def _settled(self) -> tuple[dict[frozenset[str], frozenset[str]], set[int]]:
         """The one method that has the numbers beside a name such as midpoint, by all that the name may mean.
 
-        It has three times as many as only another one has, which are undecided; if none has, no method is meant.
+        It has at least three times as many of the numbers as only others have, whose numbers are undecided; if none has
+        so many, no method is meant.
         """
         has = defaultdict[frozenset[str], dict[str, set[int]]](lambda: defaultdict(set))
         for number in self._numbers if self.values.stated else ():

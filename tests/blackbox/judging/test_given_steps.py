@@ -179,3 +179,17 @@ def test_what_was_looked_at_is_told_and_how_far_it_is_to_be_right_can_be_said():
     assert told == ("27 steps elsewhere agree, from states of 0.00061 to 2, of h up to 0.5",)
     forth = verify(only_forth, "rk4", system=pendulum, isolate=False).section("Steps back: not tested")
     assert forth.lines[0].startswith("h < 0 is refused: step(state=[-0.75, 1.25], h=-0.0625) raises ValueError: no way")
+
+
+def test_a_step_that_ends_where_the_system_has_no_slopes_is_beside_it():
+    """y0' = -sqrt(y0): a code that turns the sign of large y0 ends at none."""
+    slopes = lambda t, y: np.array([-np.sqrt(y[0]) if y[0] >= 0 else np.nan, -y[1]])
+
+    def turned(y, h):
+        found = y + h * slopes(0.0, y)
+        return found * [-1, 1] if y[0] > 20 else found
+
+    rates = lambda t, y: [-(y[0] ** 0.5) if y[0] >= 0 else 1 / 0, -y[1]]
+    report = verify(turned, "forward_euler", system=rates, isolate=False)
+    assert report.passed is False
+    assert "on the system given, but not everywhere" in report.verdict

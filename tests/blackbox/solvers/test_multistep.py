@@ -64,13 +64,13 @@ def adams_bashforth2():
 
 
 STARTED = "adams_bashforth2, started by forward_euler"
+PECE = "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4"
 KINDS = (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
 RIGHT = {
     STARTED: [kind(adams_bashforth2) for kind in KINDS],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
-    "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4": [
-        by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)],
+    PECE: [by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)],
 }  # fmt: skip
 
 
