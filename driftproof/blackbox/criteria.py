@@ -46,7 +46,9 @@ _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own 
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS, FIRST_CALL = "Error estimate", "Dense output", "State", "First call"
-FIRST_ONLY = " for its first step only"
+ELSEWHERE, BACK, FIRST_ONLY = "Steps elsewhere", "Steps back", " for its first step only"
+# How a verdict ends if one of these alone fails.
+ONLY = {ELSEWHERE: ", but not everywhere", BACK: " for h > 0 only", STATE_FORMS: ", but not for every form of state"}
 _UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 SINGLE_STEP_CRITERIA = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
@@ -98,12 +100,12 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(ORDER, against(measured_orders, explicit=method.explicit), _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
-        Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
-        Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
+        Question(ELSEWHERE, against(walked), _judge_calls, ONLY[ELSEWHERE]),
+        Question(BACK, against(back_and_on), _judge_calls, ONLY[BACK]),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later, _judge_calls, FIRST_ONLY),
-        Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
+        Question(STATE_FORMS, against(state_objects), _judge_calls, ONLY[STATE_FORMS]),
         Question(FIRST_CALL, again, _judge_calls, ", but not in every call"),
     ]
 

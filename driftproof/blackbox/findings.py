@@ -167,7 +167,8 @@ class Outcome:
     """The outcome of one check: its result, or one word for why there is none, with what was seen instead.
 
     `arithmetic` says since when the rounding mode or the treatment of subnormal numbers is changed, if it is. `calls`
-    is the number of calls of the subject that the check made; `traits` are what a step may be.
+    is the number of calls of the subject that the check made; `traits` say what a step may be whose
+    coefficients are not read.
     """
 
     result: Any = None

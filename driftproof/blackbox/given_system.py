@@ -13,8 +13,9 @@ import numpy as np
 
 from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.checks.trials import CheckResult
-from driftproof.blackbox.criteria import FIRST_CALL, STATE_FORMS
+from driftproof.blackbox.criteria import BACK, ELSEWHERE, FIRST_CALL, ONLY, STATE_FORMS
 from driftproof.blackbox.findings import (
+    CRASHES,
     NO_EVIDENCE,
     BadInput,
     Misbehaviour,
@@ -73,7 +74,7 @@ _MISSING = {
     OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
     LeftAtOne.kind: "a system that takes them besides y, for other values",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
-    "crashes": "a step that leaves its process alone",
+    CRASHES: "a step that leaves its process alone",
     **NO_EVIDENCE,
 }
 
@@ -279,9 +280,8 @@ def _checked(
     return check(steps.of_two)
 
 
-# Further questions, and how a verdict words it if one of them alone fails.
-_FURTHER = {"Steps elsewhere": _elsewhere, "Steps back": GivenSteps.back, STATE_FORMS: _forms}
-_ONLY = {"Steps back": " for h > 0 only", STATE_FORMS: ", but not for every form of state"}
+# Further questions, by the titles of those that are asked without a system.
+_FURTHER = {ELSEWHERE: _elsewhere, BACK: GivenSteps.back, STATE_FORMS: _forms}
 
 
 def report_on_system(
@@ -328,8 +328,7 @@ def _verdict(key: str, checks: Sequence[Criterion]) -> tuple[bool | None, str]:
     if failed and failed[0] in (first, *again):
         return False, f"is not {key}: {failed[0].lines[0]}"
     if failed:
-        only = _ONLY.get(failed[0].title, ", but not everywhere")
-        return False, f"is {key} on the system given{only}: {failed[0].lines[0]}"
+        return False, f"is {key} on the system given{ONLY[failed[0].title]}: {failed[0].lines[0]}"
     if not first.passed:
         return None, f"{UNDECIDED} whether it is {key}: {first.lines[0]}"
     if unknown := [check for check in further if check.missing]:

@@ -17,9 +17,10 @@ from driftproof.symbolic.algebra.bivariate import T_OF_TWO, X_OF_TWO
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.real_roots import positive_roots
 from driftproof.symbolic.family_facts import Branch, FamilyFacts, _at_point, family_residuals
-from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import order, runge_kutta_conditions
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, SECOND, THETA, family
+from tests.symbolic.trees.residuals import residuals
 
 EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "second": SECOND, "sdirk_3": SDIRK_3}
 NAMES = ("real_limit", "imaginary_limit")

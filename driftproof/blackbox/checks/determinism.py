@@ -25,8 +25,8 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 _REPETITIONS = 8
 # Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
-# A solver that begins with its last solution changes a step by less than this part, a method with memory by more. What
-# solves for nothing repeats its step up to another order of summation.
+# A solver that begins with its last solution changes a step by less than this part, a method with memory by more. An
+# explicit step solves nothing, and repeats to a few ulp.
 ALIKE = 2.0**-10
 # More steps than the start of any method of the catalogue has, and than codes leave between some action that is not of
 # every step.

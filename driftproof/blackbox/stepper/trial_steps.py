@@ -27,6 +27,7 @@ from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.kept_state_wrappers import kept_wrapper
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
+from driftproof.blackbox.stepper.records import goes_on
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
@@ -264,7 +265,7 @@ def _require_time_returned(subject: ForeignStepper, state: Sequence[float]) -> N
     In a tuple, a number that does not move with t is no time, but a step size or an error.
     """
     clock = subject.log.clock
-    if clock is None or np.isclose(clock, (0.0, TRIAL_STEP), rtol=_AS_CARRIED, atol=0).any():
+    if clock is None or goes_on(0.0, clock, TRIAL_STEP):
         return
     if subject.convention.kind == calling.FIELD:
         subject.step_field(zeros, 1.0, state, TRIAL_STEP)

@@ -156,12 +156,6 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
     return highest
 
 
-def residuals(conditions: Conditions[TreeType], vertices: int) -> tuple[tuple[TreeType, Exact], ...]:
-    """Every tree with `vertices` vertices, and its residual Φ(t) - 1/γ(t), zeros included."""
-    exact = conditions.scalars.exact
-    return tuple((conditions.tree(vertices, label), exact(x)) for label, x in conditions.residuals(vertices))
-
-
 def principal_error(conditions: Conditions[TreeType], order: int) -> PrincipalError[TreeType]:
     """The leading error coefficients, those of the trees with p + 1 vertices; the order p is at least `order`.
 

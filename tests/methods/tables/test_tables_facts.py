@@ -15,9 +15,9 @@ from driftproof.methods.tables.notation import row
 from driftproof.methods.tables.splittings import palindrome, verlet_composition
 from driftproof.methods.tables.stabilised import chebyshev_first_order, ssprk_second_order
 from driftproof.symbolic.facts import general_order
-from driftproof.symbolic.trees.order_conditions import residuals
 from driftproof.symbolic.trees.partitioned_trees import separable_conditions
 from tests.methods.tables.entries import entry, product
+from tests.symbolic.trees.residuals import residuals
 
 Polynomial: TypeAlias = tuple[Q, ...]
 

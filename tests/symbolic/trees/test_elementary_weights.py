@@ -20,7 +20,6 @@ from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,
     order,
     order_of,
-    residuals,
     runge_kutta_conditions,
     simplifying_assumptions,
 )
@@ -28,6 +27,7 @@ from driftproof.symbolic.trees.order_in_balls import Balls
 from driftproof.symbolic.trees.rooted_trees import bush
 from tests.methods.tables.entries import entry
 from tests.symbolic.linear.linear_examples import gauss, lobatto_iiia, nodes_method, pade, radau_iia
+from tests.symbolic.trees.residuals import residuals
 from tests.witnesses.trees import tall
 
 

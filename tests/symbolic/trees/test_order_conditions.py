@@ -21,7 +21,6 @@ from driftproof.symbolic.trees.order_conditions import (
     order_of,
     order_to_tolerance,
     principal_error,
-    residuals,
     runge_kutta_conditions,
     simplifying_assumptions,
 )
@@ -29,6 +28,7 @@ from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees, 
 from tests.changes import moved, rows
 from tests.looping import exactly, some
 from tests.methods.tables.entries import entry
+from tests.symbolic.trees.residuals import residuals
 from tests.witnesses.trees import symmetry
 
 RK4 = entry("rk4")

@@ -18,7 +18,6 @@ from driftproof.symbolic.trees.order_conditions import (
     order,
     order_of,
     principal_error,
-    residuals,
     runge_kutta_conditions,
 )
 from driftproof.symbolic.trees.partitioned_trees import (
@@ -34,6 +33,7 @@ from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, canonical
 from tests.changes import coefficients, moved
 from tests.looping import some
 from tests.methods.tables.entries import entry
+from tests.symbolic.trees.residuals import residuals
 
 
 def conditions_of_the_pair(method: Splitting) -> ColouredConditions:
