@@ -14,7 +14,7 @@ from flint import ctx
 
 from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import METHODS, Entry, of_one_state
+from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
@@ -55,12 +55,12 @@ from driftproof.symbolic.algebra.certified import (
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.claimed_orders import false_claims
 from driftproof.symbolic.facts import Facts
-from driftproof.symbolic.linear.eigenvalues import Eigenvalue
+from driftproof.symbolic.linear.eigenvalues import Eigenvalue, eigenvalues
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.multistep_systems import MultistepSystemFacts
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Infinity
-from driftproof.symbolic.linear.systems import LinearSystem, SystemFacts, ball_of, limit_of
+from driftproof.symbolic.linear.systems import LinearSystem, SystemFacts, ball_of, limit_of, of_largest_modulus
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
@@ -111,15 +111,15 @@ def stability(
         "title": about.title,
         "linear": about.matrix is not None,
         "size": repr(largest_state_size(about)),
-        **({} if about.matrix is None else {"stiffest": _stiffest_text(about.matrix)}),
+        **({} if about.matrix is None else {"stiffest": _largest_text(about.matrix)}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
 
 
-def _stiffest_text(rows: Sequence[Sequence[Fraction]]) -> str:
+def _largest_text(rows: Sequence[Sequence[Fraction]]) -> str:
     """The eigenvalues of largest modulus."""
-    return ", ".join(map(eigenvalue_text, SystemFacts(METHODS["implicit_midpoint"], rows).stiffest()))
+    return ", ".join(map(eigenvalue_text, of_largest_modulus(eigenvalues(rows))))
 
 
 def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:

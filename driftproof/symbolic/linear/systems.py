@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import cached_property, partial, reduce
 from typing import Any, NamedTuple
@@ -117,14 +117,15 @@ class LinearSystem:
         """True if all numerical solutions are bounded, h > 0. May raise UndecidedLimitError."""
         return all(self.part_is_bounded(eigenvalue, h) for eigenvalue, _ in self.bounds)
 
-    def stiffest(self) -> list[Eigenvalue]:
-        """The eigenvalues of A of which no other one is known to be larger in modulus."""
-        sizes = [(e, abs(ball_of(e))) for e, _ in self.bounds]
-        return [e for e, size in sizes if not any(other > size for _, other in sizes)]
-
     def stiffest_factor(self, h: Fraction) -> CertifiableReal:
-        """The largest `factor_at` of the `stiffest` eigenvalues."""
-        return reduce(_larger, (self.factor_at(e, h) for e in self.stiffest()))
+        """The largest `factor_at` of the eigenvalues of largest modulus."""
+        return reduce(_larger, (self.factor_at(e, h) for e in of_largest_modulus(e for e, _ in self.bounds)))
+
+
+def of_largest_modulus(found: Iterable[Eigenvalue]) -> list[Eigenvalue]:
+    """The eigenvalues of which no other one is known to be larger in modulus."""
+    sizes = [(e, abs(ball_of(e))) for e in found]
+    return [e for e, size in sizes if not any(other > size for _, other in sizes)]
 
 
 def _larger(x: CertifiableReal, y: CertifiableReal) -> CertifiableReal:
