@@ -6,17 +6,18 @@ import re
 from contextlib import suppress
 from typing import NamedTuple
 
+from driftproof.texts.claims.stated_problems import plain
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.questions.pieces import with_roots_spelled
 
-# Numbers, brackets, roots and signs, with a sign of equality behind; what stands before is no part of a longer formula.
+# Numbers, brackets, roots, powers of e and signs, and a sign of equality behind; what stands before is no part of it.
 _CALCULATION = re.compile(
-    r"(?<![\w.,^)\]])(?:log_?2 )?[(√0-9-][-+*/·×^()0-9.√{} ]*[0-9)}](?= ?[=≈] ?(?P<result>[-+]?[0-9.]))"
+    r"(?<![\w.,^)\]])(?:log_?2 )?(?:[(√0-9-]|e(?=\^))(?:[-+*/·×^()0-9.√{} ]|e(?=\^))*[0-9)}]"
+    r"(?= ?[=≈] ?(?P<result>[-+]?[0-9.]))"
 )
 _LONGER = re.compile(r"(?:[-+*/·×^√_]|(?<!\w)(?:\w|sin|cos|tan|exp|ln|log|lg)) ?\Z")
-_OPERATOR = re.compile(r"[0-9)}] ?[-+*/·×^] ?[0-9({√]|[√_]")
+_OPERATOR = re.compile(r"[0-9)}] ?[-+*/·×^] ?[0-9({√]|[√_]|e\^")
 # A longer calculation than people print on one line.
 _LONGEST = 80
 
@@ -39,9 +40,9 @@ def calculations_in(text: str) -> list[Calculation]:
     found = []
     for match in _CALCULATION.finditer(text):
         if len(match[0]) <= _LONGEST and _OPERATOR.search(match[0]) and not _LONGER.search(text[: match.start()][-8:]):
-            question = re.sub("[·×]", "*", match[0]).replace("^", "**").replace("{", "(").replace("}", ")")
-            question = re.sub(r"(?<=[0-9)]) ?(?=√)", "*", question)
-            question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", with_roots_spelled(question))
+            question = plain(re.sub(r"(?<=[0-9)]) ?(?=[√e])", "*", match[0].replace("×", "*")))
+            question = question.replace("^", "**").replace("{", "(").replace("}", ")")
+            question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", question)
             with suppress(QuestionError):
                 found.append(Calculation(match.start(), match.start("result"), question, value(question)))
     return found

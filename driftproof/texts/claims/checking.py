@@ -14,7 +14,7 @@ from itertools import islice, product
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import lowered, starters_said
+from driftproof.texts.claims.contradictions import lowered, names_another_axis, starters_said
 from driftproof.texts.claims.phrases import NUMBER_ENDS, Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import tables_of
@@ -75,7 +75,7 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
     text, tables = document.text.text, tables_of(document.text.text)
     lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
-    said_so = starters_said(text.lower())
+    said_so = starters_said(text.lower(), surely=True)
     for one in checked:
         claim, findings = one.claim, list[Finding]()
         if claim.fact and (untrue := claim.untrue()):
@@ -84,10 +84,16 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
                 Finding(claim.id, *at, untrue, claim.fact[1], f"{untrue}, not {claim.fact[1]}") for at in places
             ]
         starters = {key for x in claim.values.values() for key in re.findall(r" started=([^\s,:]+)", x.question or "")}
-        if said_so and starters and one.occurrences and not said_so.intersection(*map(keys_of_name, starters)):
+        if said_so and one.occurrences and any({x, *keys_of_name(x)}.isdisjoint(said_so) for x in starters):
             names, own = ", ".join(sorted(said_so)), ", ".join(sorted(starters))
             at = document.position(one.occurrences[0].start())
             findings.append(Finding(claim.id, *at, own, names, f"the text says that {names} starts, not {own}"))
+        findings += [
+            Finding(claim.id, *document.position(place.start(name)), axis, "", f"the text names no {axis} axis here")
+            for place, name in product(one.occurrences, claim.phrase.names)
+            for axis in re.findall(r"\b(real|imaginary)_limit ", claim.values[name].question or "")[:1]
+            if names_another_axis(axis, lower, *place.span(name), tables.head_at(place.start(name)).lower())
+        ]
         for place, (method, name) in product(one.occurrences, zip(claim.methods, claim.phrase.names, strict=False)):
             start, end = place.span(name)
             row = tables.row_of(TextNumber(start, end, text[start:end], None))

@@ -51,11 +51,12 @@ _PLAIN = re.compile(r"midpoint of |3/8(?! (?:rule|method|runge))")
 # A method with its order in brackets, as in RK(4).
 _BY_ORDER = re.compile(r"\b(rk|ab|am|bdf)\(([1-9])\)")
 # What a text says about the first values of a multistep method.
-_START = r"\b(?:start|bootstrap|initiali[sz]|first (?:step|value))"
+_START = r"\b(?:start|bootstrap|initiali[sz]|first (?:step|value)|initial steps)"
 STARTING = re.compile(rf"(?:(?![.;,]\s)[^|()]){{0,60}}{_START}(?:(?!\.\s|;\s(?!we\b))[^|()]){{0,100}}")
 # Where the sentence goes on with another subject.
 _OF_OTHERS = re.compile(rf"{_START}.*?,\s(?=(?:and|but|while|whereas)\b)", re.DOTALL)
 _STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
+_FROM_SOLUTION = re.compile(r"\bexact|\b(?:from|of|by|on|with) (?:the |its )?(?:true |known |analytic\w* )?solution\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
 LISTED_NUMBER = (
@@ -132,6 +133,12 @@ def _names_another_quantity(quantity: str, before: str, after: str) -> bool:
     return found is not None and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2]))
 
 
+def names_another_axis(axis: str, text: str, start: int, end: int, head: str) -> bool:
+    """True if the sentence around a limit of stability, or the head of its column, names the other axis instead."""
+    before, after = (head, "") if head else sentence_around(text, start, end)
+    return _names_another_quantity(f"{axis}_limit", before, after)
+
+
 def sentence_around(text: str, start: int, end: int) -> tuple[str, str]:
     """The sentence before and after the number from `start` to `end`."""
     return _ENDS.split(text[max(0, start - _LONGEST) : start])[-1], _ENDS.split(text[end : end + _LONGEST])[0]
@@ -160,7 +167,7 @@ def _differs(
     if not other or max(other) < max(own):
         return False
     between = re.sub(r"[a-z]+[0-9]+", "", before[max(own) : max(other)])  # ignore numbers in names: RK4, k1, 3/8 rule
-    return bool(re.search("[0-9]", spoken_names().sub("", _flat(between))))
+    return bool(re.search("[0-9]", spoken_names().sub("", flat(between))))
 
 
 def _next_to(before: str, after: str) -> str:
@@ -253,8 +260,8 @@ def methods_said_of(before: str, after: str) -> set[str]:
 
 def names_in_order(text: str) -> list[str]:
     """The first name of each of the methods that the lower-case text names, in their order."""
-    flat, found = _flat(text), dict[frozenset[str], str]()
-    for name in spoken_names().findall(flat):
+    found = dict[frozenset[str], str]()
+    for name in spoken_names().findall(flat(text)):
         found.setdefault(frozenset(_names()[name]), name)
     return [*found.values()]
 
@@ -263,7 +270,7 @@ def without_starters(text: str) -> str:
     """The lower-case text, blanks in place of the methods of one step that it says start a multistep method."""
 
     def blank(name: re.Match[str]) -> str:
-        return name[0] if _names()[_flat(name[0])] & {*FURTHER_METHODS} else " " * len(name[0])
+        return name[0] if _names()[flat(name[0])] & {*FURTHER_METHODS} else " " * len(name[0])
 
     def without(clause: re.Match[str]) -> str:
         end = found.end() if (found := _OF_OTHERS.search(clause[0])) else len(clause[0])
@@ -272,10 +279,14 @@ def without_starters(text: str) -> str:
     return STARTING.sub(without, text)
 
 
-def starters_said(text: str) -> set[str]:
-    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
-    said = " ".join(clause for clause in STARTING.findall(text) if _STARTED.search(clause))
-    return {*METHODS} & methods_named(said) | ({"exact"} if "exact" in said else set[str]())
+def starters_said(text: str, surely: bool = False) -> list[str]:
+    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution.
+
+    Only those that it `surely` says so of, if asked: as a method of its own RK4 may start at 1, too.
+    """
+    said = " ".join(clause for clause in STARTING.findall(text) if not surely or _STARTED.search(clause))
+    named = methods_named(said)
+    return [*(key for key in METHODS if key in named), *["exact"] * bool(_FROM_SOLUTION.search(said))]
 
 
 def lowered(text: str, questions: Iterable[str]) -> str:
@@ -286,33 +297,38 @@ def lowered(text: str, questions: Iterable[str]) -> str:
 
 def begins_with_method(text: str) -> bool:
     """True if the lower-case text begins with the name of a method."""
-    return spoken_names().match(_flat(text)) is not None
+    return spoken_names().match(flat(text)) is not None
 
 
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
-    flat = _flat(text)
-    named = (match for match in spoken_names().finditer(flat) if not _PLAIN.match(flat, match.start()))
+    spoken = flat(text)
+    named = (match for match in spoken_names().finditer(spoken) if not _PLAIN.match(spoken, match.start()))
     return [(match.start(), _names()[match[0]]) for match in named]
 
 
-def _flat(text: str) -> str:
+def flat(text: str) -> str:
+    """The text with blanks for hyphens and ends of lines, as names of methods have them."""
     return _BY_ORDER.sub(r"\1 \2 ", re.sub("--+|[-_\n]", " ", text))
 
 
 @cache
 def _names() -> dict[str, set[str]]:
-    found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
+    found = {flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
     for kind, name in product(("velocity", "position"), ("verlet", "störmer verlet", "stoermer verlet")):
         forms = (f" ({kind} form)", f" ({kind} version)", f" in {kind} form", f" ({kind})")
         found |= {name + form: {f"{kind}_verlet"} for form in forms}
+    found |= {f"{name.lower()}'s {kind}": {*AMBIGUOUS_NAMES[name]} for name in _PEOPLE for kind in ("method", "scheme")}
     for key, method in (*METHODS.items(), *FURTHER_METHODS.items()):
-        for name in (key, method.title, *also_known_as(key), *counted_names(method.title)):
-            name = _flat(name.lower())
+        names = (key, method.title, *also_known_as(key), *counted_names(method.title))
+        pairs = [pair[0].replace("-", " and ") for name in names if (pair := re.fullmatch(r"[A-Z]\w+-[A-Z]\w+", name))]
+        for name in (*names, *(f"{kind} of {pair}" for pair in pairs for kind in ("pair", "method", "scheme"))):
+            name = flat(name.lower())
             for form in (
                 name,
                 re.sub(r"(?<=[a-z])(?=[0-9])", " ", name),
                 re.sub(r" (?:method|rule|scheme)$", "", name),
+                re.sub(r"(?<='s )(second|third|fourth) order method$", r"\1", name),
             ):
                 found.setdefault(form, set()).add(key)
     return found

@@ -22,7 +22,8 @@ QUANTITY_WORDS = {
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value)s?|e_n|"
+    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?|"
+    r"e_n|"
     r"off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",
     "evaluations": r"evaluations|calls",
@@ -52,6 +53,7 @@ _FACTS = {
     rf"(?:stable (?:for|if|up to|while)|(?:limit|bound) (?:of|on|for)(?: the)?) {_STEP_SIZE}|"
     rf"{_STEP_SIZE}[ -](?:limit|bound))(?: ?[<≤(\[,].*)?\Z",
     "stages": r"stages?\b",
+    "evaluations_per_step": r"(?:\w+ )?(?:evaluations?|calls?) (?:per|a|in each) step\b",
     "error_constant": r"error constant",
     "imaginary_limit": r"(?:.*\b(?:interval|limit|bound).*)?\bimaginary\b",
     "real_limit": r"(?:.*\b(?:interval|limit|bound).*)?\b(?:negative )?real\b",

@@ -11,6 +11,8 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import takewhile
 
+from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
+from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import (
@@ -115,19 +117,25 @@ class LookAlikes(NamedPlaces):
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         sole = None if fact and "*" in fact else fact  # a number of evaluations is also that of a run
         bound = is_bound(sentence_around(self._lower, number.start, number.end)[0])
-        kinds = {without_sizes(each.question) for each in meant if each.stated}
+        stated = [each for each in meant if each.stated]
+        wholes = [each for each in stated if not (place.unknown or asked_quantity(each.question)[1])]
+        kinds = {without_sizes(each.question) for each in stated}
+        signed = any(x.text[0] == "-" for x in self._company[self.tables.column_place(number)] if head)
         of_two = len(digits_of(number.text)) > 1 and digits < 3
         of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
         joint = self.only_meant(number) if of_two else None
         compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
+        exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
+        unnamed, either_sign = self._is_of_unnamed_method(number), self._of_either_sign(number)
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
-            denied |= place.is_of_others(known.question)
+            denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
+            denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
             denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
@@ -135,10 +143,10 @@ class LookAlikes(NamedPlaces):
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             if known.question == compared:
                 rivals, denied = runs, denied or not self._is_in_order(number, compared)
-            sizes = asked_settings(known.question)["h"]
+            sizes = place.named_of(known.question)["h"]
             other = without_sizes(known.question) in kinds and sizes and place.settings.get("h", sizes[0]) not in sizes
-            elsewhere = known.stated and known not in meant and (placed or other)
-            only = known.stated and [each for each in meant if each.stated] == [known]
+            elsewhere = known.stated and known not in meant and (placed or other) and not self._is_exact(known, number)
+            only = known.stated and [known] in (stated, wholes)
             telling = len(digits_of(number.text)) if only else digits
             likely = known.is_meant(x, telling, fit, rivals) or known is joint
             strong = likely and not denied and not elsewhere
@@ -176,7 +184,8 @@ class LookAlikes(NamedPlaces):
         if not cell:
             before, after = self._said_around(number)
             steps = self._place_of(number).steps if SETTING["h"].search(before) else None
-            return fact_said(before, after, own, equation, steps)
+            far = self._lower[max(0, number.start - 2 * BESIDE) : number.start]
+            return fact_said(before, after, own, equation, steps, far)
         if fact == LIMIT_OF_STEPS:
             return limit_of_steps(methods, equation)
         return fact_of(fact, methods) if fact and len(methods) == 1 else None
@@ -188,6 +197,25 @@ class LookAlikes(NamedPlaces):
         name = names_in_order(subject)[0] if begins_with_method(subject) else ""
         before = re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before
         return with_names_settled(before, self._settled[0]), with_names_settled(after, self._settled[0])
+
+    def _is_of_unnamed_method(self, number: TextNumber) -> bool:
+        """True in a row whose label is no name of a method, if those of other rows of its column are."""
+        if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
+            return False
+        return any(self._place_of(x).methods for x in self._company[self.tables.column_place(number)])
+
+    def _of_either_sign(self, number: TextNumber) -> set[str]:
+        """Error constants of methods of one step, if multistep methods are named nearby: their signs are others."""
+        near = methods_named(self._lower[max(0, number.start - 2 * BESIDE) : number.end + BESIDE])
+        several = {key for key in near if isinstance(FURTHER_METHODS.get(key), Multistep)}
+        of_one = near & {*METHODS} if several and not self.tables.row_of(number) else set[str]()
+        return {f"error_constant {key}" for key in of_one}
+
+    def _is_exact(self, known: KnownValue, number: TextNumber) -> bool:
+        """True if this is the solution at the time that the sentence names, and the sentence names no method."""
+        place, told = replace(self._place_of(number), quantity="exact"), len(digits_of(number.text)) > 4
+        told &= asked_quantity(known.question)[0] == "exact" and not self.tables.row_of(number)
+        return told and not self.methods_beside(number) and place.means(known.question, set())
 
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""
@@ -222,6 +250,12 @@ class LookAlikes(NamedPlaces):
                 if size != h and (size < h) == (x.start < number.start):
                     return False
         return True
+
+    def methods_beside(self, number: TextNumber) -> set[str]:
+        """The methods that the row and the head of the number, or its sentence, name."""
+        row = self.tables.row_of(number)
+        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
+        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
 
     @cached_property
     def words(self) -> list[TextNumber]:

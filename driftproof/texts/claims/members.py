@@ -42,6 +42,8 @@ _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
 # What the remark on a number says that is perhaps wrong.
 SLIP = "is perhaps a slip:"
+# And on an error constant beside those of methods of another kind.
+SIGN = "its sign is computed minus exact for methods of one step, and in most books the other one"
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,8 @@ class Member:
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
+        unsure = not self.strong and any("error_constant " in one for one in others[:1])
+        more += f"; {SIGN}" * unsure
         few = self.strong and len(digits_of(self.number.text)) < 3  # a small integer looks like much
         shown = others and not self.chosen and not few
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""

@@ -258,8 +258,8 @@ class NamedPlaces:
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
         own = {*speeds.values()}
-        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x), also called v, or omega where the text says so
-            speeds |= dict.fromkeys(("v", *speeds_named(self._lower, min(own)[1:])), min(own))
+        if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x)
+            speeds |= dict.fromkeys(speeds_named(self._lower, min(own)[1:]), min(own))
         return speeds | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:

@@ -78,8 +78,13 @@ _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
+# A ratio of errors follows, but for other words, or has been said.
+_DIVIDES = re.compile(r"\bdivide[sd]?\b.* by (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+_AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
+# Beside a column of energies, the head of that of their changes.
+_RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
-_PAIR = re.compile(rf"\bfrom (?:h\s?=\s?)?{POSITIVE} to (?:h\s?=\s?)?{POSITIVE}")
+_PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
@@ -136,8 +141,13 @@ class Place:
 
     def denies(self, question: str) -> bool:
         """True if the row or the sentence gives another step size or time than asked for."""
-        asked = asked_settings(question)
+        asked = self.named_of(question)
         return any(asked[x] and self.settings[x] not in asked[x] for x in self.near)
+
+    def named_of(self, question: str) -> dict[str, list[Fraction]]:
+        """The step sizes, times and arguments in a question that name its value, of two runs those of this place."""
+        of = self.of_row if asked_quantity(question)[0] in COMPARED else (0,)
+        return {x: [given[i] for i in of if given[i:]] for x, given in asked_settings(question).items()}
 
     def is_of_others(self, question: str) -> bool:
         """True if the number is said to be of other methods than the question is about, or of the solution."""
@@ -156,15 +166,16 @@ class Place:
         Which two runs it compares need not be said for `any_runs`.
         """
         quantity, unknown = asked_quantity(question)
-        for x, given in asked_settings(question).items():
+        for x, given in self.named_of(question).items():
             if any_runs and x == "h" and x not in self.settings and quantity in COMPARED:
                 continue
-            compared = [given[i] for i in self.of_row if given[i:]]
-            if given and self.settings.get(x) not in (compared if quantity in COMPARED else given[:1]):
+            if given and self.settings.get(x) not in given:
                 return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
-        return quantity == self.quantity if self.quantity else quantity in ("state", "error", "exact")
+        if self.quantity:
+            return quantity == self.quantity
+        return quantity in ("state", "error") or (quantity == "exact" and not self.own)
 
 
 @cache
@@ -209,7 +220,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     heads = [_SHORT_NAMES.get(cell.head, cell.head) for cell in row if cell.start <= start]
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
-    about = head if row else before
+    about, of_row = head if row else before, Place.of_row
     if not row and re.match(r"\s*(?:and |while )?th(?:at|ose) of\b", before):  # of what the clauses before are of
         about = re.split(r"[.?!]\s", text[max(0, start - _NEAR) : start])[-1]
     if leaves_quantity(head, unknowns):
@@ -226,6 +237,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
         subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
         quantity = found.lastgroup if (found := QUANTITY.match(subject)) else None
+        quantity = "ratio" if not quantity and _DIVIDES.search(subject) else quantity
         of_solution = quantity == "exact"
         of_before = methods_named(subject) if begins_with_method(subject) else set()
     if found := direct or _WORKED_OUT.search(before):
@@ -244,7 +256,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
     if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
         quantity = "exact"
-    if re.search(r"\bdivide[sd]?\b.* by \Z|\blog ?_?2 ?\(?\Z", before):
+    if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
@@ -264,6 +276,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         and any(is_head_of("h", cell.head) for cell in row)
     ):
         quantity = "observed_order"
+    if _RELATIVE.fullmatch(head) and any("energy" in cell.head for cell in row):
+        quantity = "part_of_energy" if text.startswith(("%", " %"), end) else "relative_energy"
     if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
     elif not {"e", "h"} & {*unknowns} and [cell.head_written for cell in row if cell.start <= start][-1:] in (
@@ -275,12 +289,9 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity, name = "stability", None
     elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
         quantity = "stability"
-    if (
-        quantity in COMPARED
-        and not row
-        and (pairs := _PAIR.findall(text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]))
-    ):
-        settings["h"], near = Fraction(pairs[-1][1]), near | {"h"}
+    said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
+    if quantity in COMPARED and (pairs := _PAIR.findall(said_before if not row else row[0].text or row[1].text)):
+        settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
     elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
         settings.pop("h", None)
     own = (
@@ -299,7 +310,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = f"d{name[:-1]}" if name.endswith("'") else name
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
-    return Place(frozenset(methods), settings, quantity, name, sure, near & settings.keys(), bool(own), of_solution)
+    near &= settings.keys()
+    return Place(frozenset(methods), settings, quantity, name, sure, near, bool(own), of_solution, of_row)
 
 
 def _says_energy(before: str, text: str, start: int) -> bool:
@@ -367,7 +379,7 @@ def _settings(
         near["t"] += [str(settings["t"])] * bool(row)
     elif counts and "t" in settings and not near["h"]:
         settings["h"] = settings["t"] / counts[0]
-    if not row and _AT_START.search(before):
+    if not row and (_AT_START.search(before) or _AT_START_BEHIND.match(after)):
         settings["t"], near["t"] = Fraction(0), ["0"]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)

@@ -43,6 +43,8 @@ EFFORT = 1 / 20
 _MOST_BITS = 256
 # The question for a value as a percentage.
 SHARE = "percent({}, 1)"
+# The oscillator of the lesson, as a question states it.
+_LESSON = re.compile(r"(?:^| )(\w+)'=(\w+), \2'=-(?:1 ?\*? ?)?\1, \1\(0\)=1, \2\(0\)=0")
 # A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
 _SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
 
@@ -78,7 +80,7 @@ class PossibleValues:
 
         Raises QuestionError if no question of the author has an answer.
         """
-        questions = published_values() | dict.fromkeys(self._usual_questions())
+        questions = (published_values() if self._of_lesson else {}) | dict.fromkeys(self._usual_questions())
         found = [KnownValue(each, answer) for each in questions if (answer := usual(each))]
         asked = list[KnownValue]()
         for question, chosen in self.asked.items():
@@ -100,6 +102,12 @@ class PossibleValues:
         shares = [replace(k, question=SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
         return [*found, *asked, *shares]
 
+    @cached_property
+    def _of_lesson(self) -> bool:
+        """True unless all problems that the text states are others than the lesson's."""
+        own = [one for one in self.stated if "'=" in one]
+        return not own or any(_LESSON.search(one) for one in own)
+
     def _usual_questions(self) -> Iterator[str]:
         found = ([x for x in SETTING[letter].findall(self.text) if len(x) < 20] for letter in "ht")
         own, given = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
@@ -116,7 +124,9 @@ class PossibleValues:
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
             if "interval" in self.lower:
                 yield f"-real_limit {method}"
-            for h in sizes if method in METHODS and i < _MOST_RUN else ():
+            if method in METHODS and spoken & {*FURTHER_METHODS}:
+                yield f"-error_constant {method}"
+            for h in sizes if self._of_lesson and method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
                 ends = {Fraction(n): f"N={n}" for n, of in of_sizes if h in own and (not of or Fraction(h) in of)}
@@ -124,7 +134,8 @@ class PossibleValues:
                 for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
                     yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
-        yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
+        for t in (*times, *sizes) if self._of_lesson else ():
+            yield from (f"exact t={t} : {readout}" for readout in "qv")
 
     def written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
         """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""

@@ -48,6 +48,7 @@ _ALONE = re.compile(rf"{NUMBER}\s*(?:[,.;)]|and\b|$)")
 # Characters after the last equation in which x = 1 without a time is a start.
 _NEAR = 150
 _WORD = re.compile(r"[^\W\d]\w*")
+_ANGLES = {"theta", "phi", "alpha", "varphi"}
 
 
 @dataclass(frozen=True)
@@ -101,14 +102,20 @@ class StatedProblem:
 
 
 def _start_of(spelled: str) -> str:
-    return re.sub(r"([0-9]) ?(?=pi|sqrt)", r"\1*", _plain(spelled))
+    return re.sub(r"([0-9]) ?(?=pi|sqrt)", r"\1*", plain(spelled))
 
 
 def speeds_named(text: str, name: str) -> list[str]:
-    """The other names of the derivative of an unknown, as omega where the text says omega = theta'."""
-    return re.findall(
-        rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])", with_greek_spelled(text)
-    )
+    """The other names of the derivative of an unknown: what is defined so, else v, or omega for an angle.
+
+    >>> speeds_named("θ'' = -sin θ", "theta"), speeds_named("θ'' = -ω² sin θ", "theta")
+    (['v', 'omega'], ['v'])
+    """
+    said = rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])"
+    equations = with_greek_spelled(" ".join(text[start:end] for start, end in equations_in(text)))
+    usual = ["v", *["omega"] * (name in _ANGLES)]
+    usual = [speed for speed in usual if not re.search(rf"(?<![A-Za-z]){speed}(?![A-Za-z])", equations)]
+    return [*re.findall(said, with_greek_spelled(text)), *usual]
 
 
 def unread_equation(text: str) -> tuple[int, str, str] | None:
@@ -116,7 +123,7 @@ def unread_equation(text: str) -> tuple[int, str, str] | None:
     names = {match["name"] or match["d"] or match["dd"] for match in _EQUATION.finditer(text)}
     unknowns = [name for one in names for name in (with_greek_spelled(one), f"d{with_greek_spelled(one)}")]
     for start, end in equations_in(text):
-        spelled = with_greek_spelled(_plain(text[start:end].partition("=")[2]))
+        spelled = with_greek_spelled(plain(text[start:end].partition("=")[2]))
         for word in _WORD.findall(spelled):
             try:
                 _meant(word, unknowns, with_greek_spelled(text))
@@ -179,11 +186,11 @@ def stated_problems(text: str) -> Iterator[StatedProblem]:
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:
-            speeds = "".join(rf"|(?<!\w){speed}(?![\w'])" for speed in speeds_named(spelled, name) if speed not in raw)
+            own = [one for one in speeds_named(text, name) if one not in raw and (len(raw) == 2 or one != "v")]
+            speeds = "".join(rf"|(?<!\w){speed}(?![\w'(])" for speed in own)
             rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
-            velocity = re.compile(r"(?<![\w'])v(?![\w'(])" if len(raw) == 2 and "v" not in raw else r"(?!)")
-            energies = [velocity.sub(f"d{name}", rated.sub(f"d{name}", energy)) for energy in energies]
+            energies = [rated.sub(f"d{name}", energy) for energy in energies]
         part = text[:end]
         if not any("x" in names for _, names, _ in systems):  # y' = x + y: the time is called x
             raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))
@@ -227,7 +234,7 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw))  # y(t)
     for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({NUMBER})", text):
         raw = raw.replace(ratio, value)
-    raw = re.sub(rf"(\^[0-9]+) (?=(?:{'|'.join(names)})\b)", r"\1*", _plain(raw))  # L^2 dtheta^2
+    raw = re.sub(rf"(\^[0-9]+) (?=(?:{'|'.join(names)})\b)", r"\1*", plain(raw))  # L^2 dtheta^2
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])"
     bracket = rf"\((?:[-+0-9(]|(?:{'|'.join(names)})\b)"
@@ -276,7 +283,7 @@ def _first(rate: str) -> str:
     return rate
 
 
-def _plain(formula: str) -> str:
+def plain(formula: str) -> str:
     """A formula of a text as a question has it: sqrt, exp and brackets spelled out."""
     formula = formula.replace("π", "pi").replace("·", "*").replace("[", "(").replace("]", ")")
     formula = with_roots_spelled(formula)

@@ -11,7 +11,7 @@ from itertools import chain, compress, pairwise, product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.texts.claims.contradictions import SETTING, STARTING, methods_named
+from driftproof.texts.claims.contradictions import SETTING, methods_in_full, methods_named, starters_said
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS
 from driftproof.texts.claims.places import OF_EACH_STEP
@@ -23,7 +23,7 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
 _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 8, 8, 24, 30_000
-_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS, _MOST_LATE = 10_000, 3, 2, 24, 4
+_MOST_COUNTED, _MOST_STARTERS, _MOST_ENDS, _MOST_ARGUMENTS, _MOST_LATE = 10_000, 4, 2, 24, 4
 _USUAL_STARTERS = ("forward_euler", "heun2", "rk4", "exact")
 _LIST = rf"{NUMBER}(?:(?:,? (?:and |or )?|,){NUMBER})*"
 _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
@@ -103,10 +103,12 @@ def _questions(
     spoken = methods_named(part.lower()) & named_anywhere or named_anywhere
     if "explicit" in text.lower() and "implicit" not in text.lower():
         spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
-    chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
+    in_full = methods_in_full(text.lower())  # before those that Ralston may mean, too
+    chosen = [key for key in sorted(METHODS, key=lambda key: key not in in_full) if key in spoken][:_MOST_METHODS]
     many, left = len(chosen) + len(spoken & multistep), Fraction(_MOST_STEPS)
+    starters = starters_said(part.lower()) or _USUAL_STARTERS
     named = [f"{{{','.join(chosen)}}}"] * bool(chosen)
-    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in _starters(part)]
+    named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in starters[-_MOST_STARTERS:]]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
@@ -149,13 +151,6 @@ def _questions(
             ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
             order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
             yield from compress((ratio, order), of_ratios)
-
-
-def _starters(part: str) -> list[str]:
-    """What the text says that first values of a multistep method come from, else all that is usual."""
-    sentences = " ".join(STARTING.findall(part.lower()))
-    said = [key for key in METHODS if key in methods_named(sentences)]
-    return [*said[:_MOST_STARTERS], *["exact"] * ("exact" in sentences)] or [*_USUAL_STARTERS]
 
 
 def _shown(x: Fraction) -> str:

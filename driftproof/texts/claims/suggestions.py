@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -12,10 +13,11 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import methods_named, names_limit, sentence_around
+from driftproof.texts.claims.contradictions import methods_asked, methods_named, names_limit, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
 from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, SHARE
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
@@ -86,18 +88,21 @@ class Suggestions(LookAlikes):
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
             results = printed(done, number)
             return {done.question: results[0]} if results and digits > 1 else {}
-        if not any(one.strong or one.question in (meant | self.values.asked.keys()) for one in alike):
+        beside = self.methods_beside(number)
+        asked = {x for x in self.values.asked if not beside or not (keys := methods_asked(x)) or keys & beside}
+        if not any(one.strong or one.question in meant | asked for one in alike):
             shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
             ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
             first = {known.question: spelling for spelling, ones in ways for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
             right = any(one.question in self._stated_values for one in alike)
             other_sign, *others = slips(spelled(number))
-            here, beside = self._place_of(number), self._methods_beside(number)
+            here = self._place_of(number)
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
                     of_other |= bool(known.keys) and known.keys <= self._not_meant
+                    of_other |= known.stated and here.is_of_others(known.question)
                     if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
@@ -106,7 +111,12 @@ class Suggestions(LookAlikes):
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or (digits > 5 and not right)
                     sure |= known.question in meant and (
-                        digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
+                        digits > 3
+                        or (
+                            sizes <= 2 * digits - 3
+                            and (digits > 2 or here.sure)
+                            and not known.question.endswith("evaluations")
+                        )
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
                     limit = known.question.lstrip("-")
@@ -152,15 +162,11 @@ class Suggestions(LookAlikes):
         x, last = number.value, Fraction(1, 10 ** (number.places or 0))
         before, _ = sentence_around(self._lower, number.start, number.end)
         short = len(digits_of(number.text)) < 3 or abs(x - limit) <= last
+        if not is_bound(before) and 0 <= limit - x <= last:
+            return "_limit" in fact
         if self.tables.row_of(number):
             return short and x <= limit and fact_in_column(self.tables.column_of(number)) == LIMIT_OF_STEPS
         return is_bound(before) and is_on_the_safe_side(before, x, limit) and (short or 20 * abs(x - limit) > limit)
-
-    def _methods_beside(self, number: TextNumber) -> set[str]:
-        """The methods that the row and the head of the number, or its sentence, name."""
-        row = self.tables.row_of(number)
-        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
-        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
 
     def _column_kinds(self, number: TextNumber) -> set[str]:
         """The values of a problem, but for step sizes and times, that all of the number's column look like.
@@ -190,6 +196,8 @@ class Suggestions(LookAlikes):
             named = {x: y for x, y in named.items() if abs(number.value - Fraction(y)) > abs(Fraction(y)) / 10}
             found = self._misfit(number, named)
             return found if len({*found.values()}) == 1 else {}
+        if moved := self._moved(number, named):
+            return moved
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
         if not found and digits > 3:
@@ -202,13 +210,24 @@ class Suggestions(LookAlikes):
         elif digits > 4 and runs and not (self.tables.row_of(number) or self._place_of(number).of_solution):
             # What another method gives may stand far from its name.
             found = {x: y for x, y in found.items() if without_sizes(x) in runs}
-        in_row = self.tables.row_of(number) and digits > 3 and self._methods_beside(number)
+        in_row = self.tables.row_of(number) and digits > 3 and self.methods_beside(number)
         if (self._place_of(number).own or in_row) and not found:
             others = {_METHOD.sub("", one) for one in alike}  # what another method has
             found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
         if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
             found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
+
+    def _moved(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
+        """The values that the place names, at most two, of these digits with the point or the power elsewhere."""
+        form, found = NumberForm(digits=len(digits_of(number.text))), dict[str, str]()
+        shape = re.sub("[0-9]", "0", spelled(number))
+        for known in (each for each in self._meant_at(number) if each.question in named):
+            with suppress(ValueError):
+                own = min(form.spellings(known.answer), key=lambda one: re.sub("[0-9]", "0", one) != shape)
+                if digits_of(own) == digits_of(number.text) and (own[0] == "-") == (number.value < 0):
+                    found[known.question] = own
+        return found if len(found) < 3 else {}
 
     def _misfit(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
         """The values that the place names, if they are of the kind of those beside the number.

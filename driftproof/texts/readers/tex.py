@@ -34,7 +34,7 @@ _SIGNS = {
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
     "to": "→", "sqrt": "√", "varepsilon": "ε", "vartheta": "θ", "varphi": "φ", "lambda": "λ", "Lambda": "Λ",
     "lvert": "|", "rvert": "|", "vert": "|", "lfloor": "⌊", "lceil": "⌈", "ell": "ℓ", "partial": "∂", "nabla": "∇",
-    "int": "∫", "sum": "∑", "prod": "∏", "quad": " ", "qquad": " ",
+    "int": "∫", "sum": "∑", "prod": "∏", "quad": " ", "qquad": " ", "hat": "ˆ", "widehat": "ˆ", "bar": "ˉ",
     **{name: f"{name} " for name in re.split(" ", _FUNCTIONS)},
     **{name: lookup(f"greek small letter {name}") for name in re.split(" ", _GREEK)},
     **{name.capitalize(): lookup(f"greek capital letter {name}") for name in re.split(" ", _GREEK)},

@@ -18,6 +18,7 @@ from driftproof.texts.readers.document import document_of
         ("√(2 + 1) = 1.7321", "sqrt(2 + 1)", "1.7321"),
         ("log_2 2.028 = 1.0201", "log2(2.028)", "1.0201"),
         ("2^{10} = 1024", "2**(10)", "1024.0000"),
+        ("multiplies by e^{-0.6} = 0.5488", "exp(-0.6)", "0.5488"),
     ],
 )
 def test_calculation_is_a_question(text, question, places):

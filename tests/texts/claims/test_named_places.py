@@ -85,10 +85,8 @@ def test_a_name_of_several_methods_means_the_one_that_has_the_numbers(numbers, m
 
 def test_a_table_that_names_no_method_is_of_the_one_that_its_numbers_have():
     suggestions, numbers = of_table(ORDERS)
-    assert {x.text: [*suggestions.slips(x).values()] for x in numbers if not strong(suggestions, x)} == {
-        "1.592e-04": ["1.527e-4"],
-        "2.000": [],
-    }
+    slips = {x.text: [*suggestions.slips(x).values()] for x in numbers if not strong(suggestions, x)}
+    assert slips == {"1.592e-04": ["1.527e-4"]}
     assert all(suggestions.methods_at(x) == {"velocity_verlet"} for x in numbers)
     other, numbers = of_table(ORDERS.replace("| h | error |", "| h | Euler |"))
     assert not [x.text for x in numbers if "." in x.text and "e-" in x.text and strong(other, x)]

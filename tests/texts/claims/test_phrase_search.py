@@ -188,6 +188,7 @@ Take u' = -3u with u(0) = 2 and h = 0.1. AB2 is started with a step of Heun's me
     [
         ("AB2 !! Heun", "Heun !! AB2", "Heun"),
         ("a step of Heun's", "a step of RK4's", "rk4"),
+        ("is started with a step of Heun's method", "is started exactly", "exact"),
         ("Euler's needs", "RK4 needs", None),
     ],
 )
@@ -197,3 +198,22 @@ def test_a_row_of_a_wiki_keeps_its_heads_and_a_run_what_starts_it(old, new, foun
     checked = check_claims(document_of(ON_A_WIKI.replace(old, new)), claims)
     assert {x.found for each in checked for x in each.findings if "|" not in x.found} == {found} - {None}
     assert not any(each.findings for each in check_claims(document_of(ON_A_WIKI), claims))
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["with exact starting values", "started exactly", "its first values from the solution", "with exact initial steps"],
+)
+def test_a_draft_says_as_the_text_does_that_exact_values_start(said):
+    text = f"On y' = -5y, y(0) = 1, {said}, with h = 1/20, BDF2 is off by 7.89e-4 at t = 1."
+    claims = parse_claims(drafted := draft(document_of(text), "a")).claims
+    assert {*re.findall("started=(\\w+)", drafted)} == {"exact"}
+    assert not any(each.findings for each in check_claims(document_of(text), claims))
+
+
+def test_a_limit_of_stability_is_of_the_axis_that_the_text_names():
+    text = "On the imaginary axis AB3 reaches 0.7236 and AB4 0.4300. On the real axis AB4 reaches 0.3."
+    claims = parse_claims(draft(document_of(text), "a")).claims
+    for axis, found in (("imaginary", 0), ("real", 2)):
+        checked = check_claims(document_of(text.replace("imaginary", axis)), claims)
+        assert sum(len(each.findings) for each in checked) == found

@@ -434,6 +434,39 @@ def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_
     assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())
 
 
+DECAY = "y' = -3y, y(0) = 2, to t = 1 with h = 0.2, h = 0.1 and h = 0.05."
+SWINGS = "θ'' = -sin θ, θ(0) = 1.2, θ'(0) = 0 and E = ω²/2 - cos θ. We take h = 0.1.\n"
+MOVES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2, h = 0.1.\n| method | energy at t = 5 | relative change |\n"
+PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, the 3/8 rule, Kutta's third-order method"
+
+
+@pytest.mark.parametrize(
+    ("text", "number", "claim", "slip"),
+    [
+        (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 20.6", "20.6", "h=0.1, t=1", ""),
+        (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 18.1", "18.1", "", ""),
+        (f"{DECAY}\n| method | y |\n| Heun | 0.105340 |\n| Kutta's third | 0.099747 |", "0.099747", "", "0.099527"),
+        (f"{DECAY}\n| method | y |\n| BS3 | 0.099147 |\n| Nemo's | 0.099147 |", "0.099147", "", ""),
+        (f"{DECAY} With h = 0.2 the pair of Cash and Karp has y_1 = 1.097660", "1.097660", "", "1.097621"),
+        (f"{SWINGS}At the start it is E = -0.362358. At t = 2 RK4 has ω = -1.0872045", "-0.362358", "", ""),
+        (f"{SWINGS}RK4 swings. At t = 2 the pendulum is at ω = -1.0872045", "-1.0872045", "exact", ""),
+        (f"{SWINGS}| RK4 | distance from the truth |\n| t = 2 | 1.28e-06 |", "1.28e-06", "error", ""),
+        (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |", "-0.00442", "relative_energy_change", ""),
+        (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", ""),
+        (f"{MOVES}| RK4 | 19.999116 | -0.00442 % |", "19.999116", "", "1.9999116"),
+        (f"{PAIRS}. Dormand-Prince arrives at 0.367879442", "0.367879442", "dormand_prince54", ""),
+        (f"{PAIRS}, BS3, BS5, RKF45, RKF78, midpoint RK2. DVERK arrives at 0.367879442", "0.367879442", "", ""),
+        ("AB2 has the error constant 5/12, the trapezoidal rule 1/12", "1/12", "", ""),
+    ],
+)
+def test_readings_of_places(text, number, claim, slip):
+    suggestions = Suggestions(text + ".")
+    (*_, last) = [x for x in numbers_in(suggestions.text) if x.text == number]
+    held = [one.question for one in suggestions.look_alikes(last)[:1] if one.strong]
+    assert [claim in one for one in held] == [True] * bool(claim)
+    assert {*suggestions.slips(last).values()} == {slip} - {""}
+
+
 COOLS = "We solve T' = -0.1 (T - 20) with T(0) = 90.\n\n"
 OF_TWO = "h = 2 and h = 1", "2.8140", "1.3441"
 LISTS_OF_SIZES = [

@@ -58,6 +58,15 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         ("On x'' = -10x, RK4 explodes for dt > [0.8944].", "imaginary_limit rk4 / sqrt(10)", None),
         ("RK4 with h = 0.2 takes 10 steps and [44] evaluations.", "10*evaluations_per_step rk4", "40"),
         ("RK4 on y' = -50y needs h ≤ [0.0125] for three digits.", "real_limit rk4 / 50", None),
+        ("On y' = -50y RK4 is stable up to h = [0.0577].", "real_limit rk4 / 50", "0.0557"),
+        ("Kutta's third-order method needs 6 steps, and RK4 [3] steps or 12 evaluations.", None, None),
+        ("Kutta's third-order method needs 6 steps or [22] evaluations.", "6*evaluations_per_step kutta3", "18"),
+        ("On the real axis AB3 is stable up to 6/11, AB4 up to [0.3].", "real_limit adams_bashforth4", None),
+        ("On the real axis AB3 is stable; two-step Adams--Moulton up to [3].", "real_limit adams_moulton2", "6"),
+        ("On the imaginary axis RK4 reaches 2.8284, and Heun [0].", "imaginary_limit heun2", None),
+        ("On the imaginary axis RK4 reaches [2.82].", "imaginary_limit rk4", None),  # cut off
+        ("It is stable in a sector of half-angle α: BDF3 has 86.03°, BDF4 [51.84]°.", "angle bdf4", "73.35"),
+        ("On the imaginary axis RK4 reaches 2.8. BDF4 [51.84] is old.", None, None),
     ],
 )  # fmt: skip
 def test_a_sentence_gives_a_fact_that_its_number_is_or_is_a_slip_for(text, fact, slip):

@@ -18,6 +18,7 @@ READ = [
     ("$\\sqrt[3]{x+1} \\sqrt[3]8 -\\lvert x\\rvert \\ell y$", "(x+1)^{1/3} 8^{1/3} -|x|ℓy"),
     ("$y^\\prime + y^{\\prime\\prime} x^{2\\prime}$", "y' + y'' x^{2'}"),
     ("$-\\cos 10 \\log\\theta$ $\\Delta t = \\kappa\\tanh x$", "-cos 10 log θ Δt = κ tanh x"),
+    ("$\\hat y_1 = \\bar{x}$", "ˆy_1 = ˉx"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
     ("$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots", "x'=v, θ''(0), ω_{12}' x_1''3"),
     ("& \\multicolumn{2}{c}{Euler} & \\multicolumn{1}{l|}{RK4}\\\\ 0.1", "| Euler | | RK4\n0.1"),
