@@ -29,8 +29,8 @@ from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber
 
-# What the remarks say on an equation that no value is about, and on a problem that no number is of.
-UNREAD, BELONGS = "is not read as a problem", "belongs to the problem"
+# What the remark says on an equation that no value is about.
+UNREAD = "is not read as a problem"
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
@@ -95,10 +95,6 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.values.stated[:_MOST_READ]]
         more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
         drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
-        drafted += [
-            f"# None of {numbers} numbers {BELONGS} that was read, {problem}; is it this one?\n"
-            for problem, numbers in suggestions.foreign_problems()
-        ]
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
     open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
     are_stated = any(" t={" in one for one in suggestions.values.stated)
@@ -157,7 +153,7 @@ def lines_to_look_at(claims: str, name: str) -> list[str]:
     said = [line[2:] for line in claims.splitlines() if line[:1] == "#"]
     slips = [f"  {line}\n" for line in said if SLIP in line]
     head = [f"{name}: {counted(len(slips), 'number')} to look at:\n"] * bool(slips)
-    return [*head, *slips, *(f"{name}: {line}\n" for line in said if BELONGS in line or UNREAD in line)]
+    return [*head, *slips, *(f"{name}: {line}\n" for line in said if UNREAD in line)]
 
 
 def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:

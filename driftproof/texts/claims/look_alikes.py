@@ -32,7 +32,6 @@ from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import (
     COMPARED,
     asked_quantity,
-    asked_settings,
 )
 from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
@@ -120,11 +119,11 @@ class LookAlikes(NamedPlaces):
         stated = [each for each in meant if each.stated]
         wholes = [each for each in stated if not (place.unknown or asked_quantity(each.question)[1])]
         kinds = {without_sizes(each.question) for each in stated}
+        unsaid = self._is_of_unsaid_runs(number)
         signed = any(x.text[0] == "-" for x in self._company[self.tables.column_place(number)] if head)
         of_two = len(digits_of(number.text)) > 1 and digits < 3
         of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
         joint = self.only_meant(number) if of_two else None
-        compared, runs = self._compared_at(number)
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
         exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
@@ -141,11 +140,10 @@ class LookAlikes(NamedPlaces):
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
-            if known.question == compared:
-                rivals, denied = runs, denied or not self._is_in_order(number, compared)
             sizes = place.named_of(known.question)["h"]
             other = without_sizes(known.question) in kinds and sizes and place.settings.get("h", sizes[0]) not in sizes
-            elsewhere = known.stated and known not in meant and (placed or other) and not self._is_exact(known, number)
+            elsewhere = known.stated and known not in meant and (placed or other or unsaid)
+            elsewhere &= not self._is_exact(known, number)
             only = known.stated and [known] in (stated, wholes)
             telling = len(digits_of(number.text)) if only else digits
             likely = known.is_meant(x, telling, fit, rivals) or known is joint
@@ -198,6 +196,16 @@ class LookAlikes(NamedPlaces):
         before = re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before
         return with_names_settled(before, self._settled[0]), with_names_settled(after, self._settled[0])
 
+    def _is_of_unsaid_runs(self, number: TextNumber) -> bool:
+        """True for one of several ratios of a sentence, if the step sizes that they compare are not said."""
+        place = self._place_of(number)
+        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
+            return False
+        before, after = sentence_around(self._lower, number.start, number.end)
+        first, last = number.start - len(before), number.end + len(after)
+        others = [x for x in self._numbers if first <= x.start < last and x != number and "." in x.text]
+        return any(self._place_of(x).quantity in COMPARED for x in others)
+
     def _is_of_unnamed_method(self, number: TextNumber) -> bool:
         """True in a row whose label is no name of a method, if those of other rows of its column are."""
         if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
@@ -228,28 +236,6 @@ class LookAlikes(NamedPlaces):
             if any(one.strong and " : error" in one.question for one in first):
                 return asked_quantity(first[0].question)[1] != unknown
         return unknown != ""
-
-    def _compared_at(self, number: TextNumber) -> tuple[str, int]:
-        """The one question that a ratio of errors is like whose two runs are not said, and of how many; "" for none."""
-        place = self._place_of(number)
-        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
-            return "", 0
-        known = (each for each in self.values.known if each.stated)
-        runs = {each.question for each in known if place.means(each.question, each.keys, any_runs=True)}
-        alike = [each.question for each in self.values.written_like(number) if each.question in runs]
-        return (alike[0], len(runs)) if len(alike) == 1 else ("", 0)
-
-    def _is_in_order(self, number: TextNumber, question: str) -> bool:
-        """True if the step sizes of the ratios of one kind in the sentence go down."""
-        h = asked_settings(question)["h"][0]
-        for x in self._numbers:
-            between = self.text[min(x.end, number.end) : max(x.start, number.start)]
-            if x != number and len(between) < BESIDE and not re.search(r"[.?!]\s", between):
-                other = self._compared_at(x)[0]
-                size = asked_settings(other)["h"][0] if _SIZE.sub("", other) == _SIZE.sub("", question) else h
-                if size != h and (size < h) == (x.start < number.start):
-                    return False
-        return True
 
     def methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""

@@ -89,8 +89,6 @@ _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
-# The slopes of a step before the next one of their list, as in "the slopes are 0.34, 0.38 and".
-_SLOPES = re.compile(r"\bslopes\b(?:(?!\.\s)[^;:]){0,80}?(?:\bare|:) ?((?:[-+]?[0-9.]+(?:, ?(?:and )?| and ))*)\Z")
 # Words for methods that were named before.
 _METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|(?:the|these) (?:last )?ratios|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
@@ -160,15 +158,10 @@ class Place:
         """True if the words here are those of stability functions or observed orders, and the question is not."""
         return self.quantity in _CERTAIN and asked_quantity(question)[0] != self.quantity
 
-    def means(self, question: str, methods: set[str], any_runs: bool = False) -> bool:
-        """True if a question about one of these methods asks for what is named here, and all that it asks for is.
-
-        Which two runs it compares need not be said for `any_runs`.
-        """
+    def means(self, question: str, methods: set[str]) -> bool:
+        """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
         for x, given in self.named_of(question).items():
-            if any_runs and x == "h" and x not in self.settings and quantity in COMPARED:
-                continue
             if given and self.settings.get(x) not in given:
                 return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
@@ -252,8 +245,6 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (HEAD_OF_UNKNOWN.fullmatch(without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
         name = of_column["name"]
-    elif not row and (listed := _SLOPES.search(before)):
-        quantity, sure = f"k{len(_NUMBER.findall(listed[1])) + 1}", "h" in settings
     if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
         quantity = "exact"
     if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):

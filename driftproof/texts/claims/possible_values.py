@@ -122,8 +122,6 @@ class PossibleValues:
         named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FURTHER_METHODS) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
-            if "interval" in self.lower:
-                yield f"-real_limit {method}"
             if method in METHODS and spoken & {*FURTHER_METHODS}:
                 yield f"-error_constant {method}"
             for h in sizes if self._of_lesson and method in METHODS and i < _MOST_RUN else ():

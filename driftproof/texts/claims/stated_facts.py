@@ -44,10 +44,6 @@ _BEYOND = re.compile(r"\b(?:unstable|blow\w* up|diverge\w*|explode\w*|grow\w*|be
 _OF_STABILITY = re.compile(
     rf"\b(?:stab\w+|needs?|requires?|allows?|takes?|limits?|{_BEYOND.pattern[4:-3]}|overflow\w*|oscillat\w+)\b"
 )
-# The end of an interval of stability, as in "the real stability interval of RK4 ends at -2.785".
-_ENDS_AT = re.compile(
-    r"\b(?P<axis>real|imaginary) (?:stability )?interval of (?P<of>[^.,;]{1,60}?) (?:ends|stops) at \Z"
-)
 # Stages and evaluations behind a number, and before those that follow it, as in "10 evaluations, midpoint 20".
 _UNIT = re.compile(
     r"[- \n](?:new |more |function )?(?:(?P<stages>stages?)|evaluations?|calls?)\b"
@@ -135,8 +131,9 @@ def fact_said(
     the methods `own`, if it is said whose it is, also of "A and B have orders 2 and 4". An axis or an angle is named
     in `far`, the text before.
     """
-    if (bound := _BOUND.search(before)) or _ENDS_AT.search(before):
-        return _limit_said(before, after, own, equation, bound)
+    if bound := _BOUND.search(before):
+        methods = own or last_methods_named(before)
+        return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None
     if count := _count_said(before, after, steps):
         return count
     if (reach := _behind_name(_REACHES).search(flat(before))) and not _UNIT.match(after):
@@ -155,17 +152,6 @@ def fact_said(
         return fact_of("order", own)
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
     return fact_of("order", _own_name(found[1])) if found and only else None
-
-
-def _limit_said(
-    before: str, after: str, own: frozenset[str], equation: Linear | None, bound: re.Match[str] | None
-) -> str | None:
-    """The limit of stability of the one method that the sentence names for it."""
-    if not bound:
-        found = _ENDS_AT.search(before)
-        return fact_of(f"-{found['axis']}_limit", methods_named(found["of"])) if found else None
-    methods = own or last_methods_named(before)
-    return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None
 
 
 def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str | None = None) -> str | None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -32,7 +32,6 @@ _METHOD = re.compile(
     "|".join(rf"(?<={what} )\S+" for what in (r"\brun", "^order", "^angle", "^stages", "_limit", "_constant"))
 )
 _METHOD_AND_START = re.compile(rf"(?:{_METHOD.pattern})(?: started=\S+)?")
-_EQUATIONS = re.compile(r"\w+'=.*?(?=, (?:energy=|h=|t=))")
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 
@@ -58,19 +57,6 @@ class Suggestions(LookAlikes):
             for question in missed.keys() & self.slips(number).keys():
                 missed[question][2].append(number)
         return [*missed.values()]
-
-    def foreign_problems(self) -> Iterator[tuple[str, int]]:
-        """The problems that were read, each with how many numbers should be of it, if at least 3 and none is."""
-        meant, own = defaultdict[str, list[TextNumber]](list), set[str]()
-        for number in self._numbers:
-            said = [known.question for known in self._meant_at(number) if known.stated]
-            for problem in {_problem_of(one) for one in said} if len(digits_of(number.text)) > 2 else ():
-                meant[problem].append(number)
-            first = [one.question for one in self.look_alikes(number)[:1] if one.strong]
-            own |= {_problem_of(one).partition("=")[0] for one in (*first, *self.slips(number))}
-        for problem, numbers in meant.items():  # with other parameters, the same problem may have them
-            if problem and problem.partition("=")[0] not in own and len(numbers) > 2:
-                yield problem, len(numbers)
 
     def slips(self, number: TextNumber) -> dict[str, str]:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
@@ -114,7 +100,7 @@ class Suggestions(LookAlikes):
                         digits > 3
                         or (
                             sizes <= 2 * digits - 3
-                            and (digits > 2 or here.sure)
+                            and (digits > 2 or here.sure or not self._has_other_times(known))
                             and not known.question.endswith("evaluations")
                         )
                     )
@@ -143,6 +129,12 @@ class Suggestions(LookAlikes):
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _has_other_times(self, known: KnownValue) -> bool:
+        """True if the same run is asked at other times, too."""
+        own, h = without_sizes(known.question), asked_settings(known.question)["h"]
+        alike = [x for x in self._stated_values if without_sizes(x) == own and asked_settings(x)["h"] == h]
+        return len(alike) > 1
 
     def _is_of_row(self, number: TextNumber, found: Iterable[str]) -> bool:
         """True if the number is such a value at the step size or time that stands in its row, under whatever head."""
@@ -273,9 +265,3 @@ class Suggestions(LookAlikes):
     def _stated_values(self) -> set[str]:
         """The questions of all values that are about stated problems."""
         return {known.question for known in self.values.known if known.stated}
-
-
-def _problem_of(question: str) -> str:
-    """The equations and starts in a question, "" if there are none."""
-    found = _EQUATIONS.search(question)
-    return found[0] if found else ""

