@@ -21,7 +21,7 @@ from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, place
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.properties import Said, properties_in
 from driftproof.texts.claims.spellings import digits_of
-from driftproof.texts.claims.stated_problems import equations_in, parameters_in, unread_equation
+from driftproof.texts.claims.stated_problems import equations_in, parameters_in
 from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
@@ -29,15 +29,12 @@ from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber
 
-# What the remark says on an equation that no value is about.
-UNREAD = "is not read as a problem"
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Chosen: questions read from the text that are shown; they differ in methods and step sizes.
 _MOST_READ = 12
-_FEWEST_PRINTED = 3
 # What a draft calls perhaps wrong.
 _DOUBT = re.compile(rf"(?m)^# line ([0-9]+): (.+?) {SLIP} (.+)$")
 _BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
@@ -96,11 +93,6 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
         drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
         drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
-    open_numbers = [one for one in members if not (one.strong or one.chosen) and len(digits_of(one.number.text)) > 2]
-    are_stated = any(" t={" in one for one in suggestions.values.stated)
-    if open_numbers and not are_stated and (unread := unread_equation(text)):
-        at, equation, why = unread
-        drafted.append(f"# line {document.position(at).line}: {equation} {UNREAD}: {why}\n")
     drafted += _properties(document, ids)
     grouped = [of_one_method(group) for group in groups(text, members, fences)]
     questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
@@ -125,12 +117,6 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
     for why, those in suggestions.values.not_asked.items():
         drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
-    left = [x for x in members if not (x.strong or x.chosen) and any(a <= x.number.start < b for _, (a, b) in printed)]
-    if len(left) >= _FEWEST_PRINTED:
-        said = f"{counted(len(left), 'number')} that listings print"
-        drafted.append(
-            f"# `driftproof check {' '.join(name.split())} --run` compares {said} and no claim above holds.\n"
-        )
     if inputs:
         drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
@@ -150,10 +136,8 @@ def doubts_of(claims: str) -> list[Doubt]:
 
 def lines_to_look_at(claims: str, name: str) -> list[str]:
     """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
-    said = [line[2:] for line in claims.splitlines() if line[:1] == "#"]
-    slips = [f"  {line}\n" for line in said if SLIP in line]
-    head = [f"{name}: {counted(len(slips), 'number')} to look at:\n"] * bool(slips)
-    return [*head, *slips, *(f"{name}: {line}\n" for line in said if UNREAD in line)]
+    slips = [f"  {line[2:]}\n" for line in claims.splitlines() if line[:1] == "#" and SLIP in line]
+    return [f"{name}: {counted(len(slips), 'number')} to look at:\n", *slips] if slips else []
 
 
 def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:

@@ -112,8 +112,7 @@ class Member:
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
-        unsure = not self.strong and any("error_constant " in one for one in others[:1])
-        more += f"; {SIGN}" * unsure
+        more += f"; {SIGN}" * (not self.strong and "error_constant " in " ".join(others[:1]))
         few = self.strong and len(digits_of(self.number.text)) < 3  # a small integer looks like much
         shown = others and not self.chosen and not few
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""

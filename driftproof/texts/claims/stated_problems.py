@@ -38,9 +38,6 @@ _EQUATION = re.compile(
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
-# Derivatives that are not read: with dots, and as operators.
-_DOTTED = r"[^\W\d](?:[\u0307\u0308]|_?d?dot)|[ẋẏżẍÿ]|D_?t? ?[^\W\d]"
-_OTHER_DERIVATIVE = re.compile(rf"(?<!\w)(?:{_DOTTED})(?: ?\(t\))? ?= ?[^,;=\n]{{1,40}}")
 # A sentence or a line ends, or a word follows that is no function.
 _ENDS_RATE = re.compile(rf"\n|[.;](?!\d)| (?!(?:{'|'.join(FUNCTIONS)})\b)(?=[a-z]{{2,}}\b(?!\())")
 _ZERO = re.compile(r"0(?:\.0*)?(?![.\d])")
@@ -63,19 +60,15 @@ class StatedProblem:
     @property
     def equations(self) -> str | None:
         """The equations and the start as a question has them; None if the text gives no start."""
-        if self.without_start:
+        starts = [self._start(name, i) for i, name in enumerate(self.rates)]
+        if None in starts:
             return None
-        given = [f"{name}(0)={self._start(name, i)}" for i, name in enumerate(self.rates)]
+        given = [f"{name}(0)={start}" for name, start in zip(self.rates, starts, strict=True)]
         found = ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
         with suppress(QuestionError):
             parse_question(f"exact {found}, t=1 : {next(iter(self.rates))}")
             return found
         return None
-
-    @property
-    def without_start(self) -> list[str]:
-        """The unknowns whose start the text does not give."""
-        return [name for i, name in enumerate(self.rates) if self._start(name, i) is None]
 
     def going_on(self, other: StatedProblem) -> StatedProblem:
         """The problem with the part about the other one, too, if that is the next part of the text."""
@@ -116,26 +109,6 @@ def speeds_named(text: str, name: str) -> list[str]:
     usual = ["v", *["omega"] * (name in _ANGLES)]
     usual = [speed for speed in usual if not re.search(rf"(?<![A-Za-z]){speed}(?![A-Za-z])", equations)]
     return [*re.findall(said, with_greek_spelled(text)), *usual]
-
-
-def unread_equation(text: str) -> tuple[int, str, str] | None:
-    """The place of an equation of a text that is not read as a problem, the equation, and the reason; None for none."""
-    names = {match["name"] or match["d"] or match["dd"] for match in _EQUATION.finditer(text)}
-    unknowns = [name for one in names for name in (with_greek_spelled(one), f"d{with_greek_spelled(one)}")]
-    for start, end in equations_in(text):
-        spelled = with_greek_spelled(plain(text[start:end].partition("=")[2]))
-        for word in _WORD.findall(spelled):
-            try:
-                _meant(word, unknowns, with_greek_spelled(text))
-            except LookupError:
-                return start, text[start:end].strip(), f"{word} is given no value"
-    for problem in stated_problems(text):
-        for name in problem.without_start:
-            of = next((f"{other}'" for other, rate in problem.rates.items() if rate == name), name)
-            at = next(_EQUATION.finditer(text, problem.at)).start()
-            return at, f"{of}'={problem.rates[name]}", f"no start is read, such as {of}(0) = 1"
-    other = _OTHER_DERIVATIVE.search(text)
-    return (other.start(), other[0].strip(), "a derivative is read as y', dy/dt or y''") if other else None
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:

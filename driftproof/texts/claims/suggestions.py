@@ -88,7 +88,7 @@ class Suggestions(LookAlikes):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
                     of_other |= bool(known.keys) and known.keys <= self._not_meant
-                    of_other |= known.stated and here.is_of_others(known.question)
+                    of_other |= (known.stated and here.is_of_others(known.question)) or (digits < 3 and not here.sure)
                     if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
@@ -97,18 +97,12 @@ class Suggestions(LookAlikes):
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or (digits > 5 and not right)
                     sure |= known.question in meant and (
-                        digits > 3
-                        or (
-                            sizes <= 2 * digits - 3
-                            and (digits > 2 or here.sure or not self._has_other_times(known))
-                            and not known.question.endswith("evaluations")
-                        )
+                        digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
-                    limit = known.question.lstrip("-")
-                    if limit.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
+                    if known.question.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
-                        found |= {known.question: slip} if names_limit(limit, *place) else {}
+                        found |= {known.question: slip} if names_limit(known.question, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
                 own = self.fact_spelled(fact, form_of(number))
                 if own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0])):
@@ -129,12 +123,6 @@ class Suggestions(LookAlikes):
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
-
-    def _has_other_times(self, known: KnownValue) -> bool:
-        """True if the same run is asked at other times, too."""
-        own, h = without_sizes(known.question), asked_settings(known.question)["h"]
-        alike = [x for x in self._stated_values if without_sizes(x) == own and asked_settings(x)["h"] == h]
-        return len(alike) > 1
 
     def _is_of_row(self, number: TextNumber, found: Iterable[str]) -> bool:
         """True if the number is such a value at the step size or time that stands in its row, under whatever head."""

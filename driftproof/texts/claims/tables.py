@@ -97,10 +97,6 @@ class TextTables:
                 for row in rows:
                     row[i : i + 1] = [cell._replace(head=STEP) for cell in row[i : i + 1]]
 
-    def rows(self) -> Iterator[list[Cell]]:
-        """The cells of every row of every table."""
-        yield from filter(None, (self._row(line.start()) for line in re.finditer("(?m)^", self._text)))
-
     def _row(self, start: int) -> list[Cell]:
         row = self._line(start)
         if start not in self._rows:

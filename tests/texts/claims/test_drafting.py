@@ -197,47 +197,6 @@ def test_a_property_with_a_number_beside_it_is_a_claim_that_can_be_checked():
     assert 'value = "symplectic rk4"' in drafted
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("y' = -k y, y(0) = 1: Heun has y(1) = 0.36855.", "y' = -k y is not read as a problem: k is given no value"),
-        (
-            "y' = -2y, h = 0.1: Heun has y = 0.36855 at t = 1.",
-            "y'=-2y is not read as a problem: no start is read, such as",
-        ),
-        (
-            "x'' = -x, x(0) = 1: RK4 has x(1) = 0.54031.",
-            "x''=-x is not read as a problem: no start is read, such as x'(0)",
-        ),
-        (
-            "Dx = -2 x, x(0) = 1: Heun has x(1) = 0.36855.",
-            "Dx = -2 x is not read as a problem: a derivative is read as",
-        ),
-        ("ẍ = -4x, x(0) = 1: Heun has x(1) = 0.36855.", "ẍ = -4x is not read as a problem: a derivative is read as"),
-    ],
-)
-def test_an_equation_that_is_not_read_is_named_with_the_reason(text, said):
-    assert f"# line 1: {said}" in draft(document_of(text, "plain"), "a")
-
-
-@pytest.mark.parametrize(
-    "text", ["For y' = f(t, y) the order is 2.", "y' = -2y, y(0) = 1: Heun with h = 0.1 has 0.13901 at t = 1"]
-)
-def test_a_problem_that_is_read_and_theory_have_no_such_remark(text):
-    drafted = draft(document_of(text, "plain"), "a")
-    assert drafting.UNREAD not in drafted
-
-
-PRINTED = "```python\nfor i in range({0}):\n    print(i * 7.123)\n```\n\n```text\n{1}\n```\n"
-
-
-@pytest.mark.parametrize(("count", "said"), [(4, True), (2, False)])
-def test_a_draft_recommends_to_run_what_prints_numbers_that_no_claim_holds(count, said):
-    printed = PRINTED.format(count, "\n".join(f"{i * 7.123:.3f}" for i in range(1, count + 1)))
-    text = draft(document_of(printed, "markdown"), "a.md")
-    assert (f"# `driftproof check a.md --run` compares {count} numbers that listings print" in text) == said
-
-
 DECAY = """\
 For $w' = -2w + 1$, $w(0) = 3$ Heun's method with $h = 0.2$ and then $h = 0.1$ goes to $t = 1$. Take h = {}.
 

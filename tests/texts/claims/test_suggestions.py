@@ -80,7 +80,7 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     [
         ("Euler, h = 0.1: 0.108", "0.107"),  # or 0.0280 or 0.135, for which it is no slip
         ("RK4, h = 0.1: 0.17", None),  # 0.14, or 0.00
-        ("Euler, h = 0.1: the error 0.038", "0.028"),
+        ("Euler, h = 0.1: the error 0.038", None),
         ("Euler, h = 0.1: the error 0.028", None),
         ("Euler, h = 0.002: 501 evaluations", None),
         ("RK4, h = 0.002: 2001 evaluations", "2000"),
