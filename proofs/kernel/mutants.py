@@ -122,7 +122,8 @@ def mutants() -> list[tuple[Certificate, Theorem]]:
 
 def _changed(theorem: Theorem, right: str, wrong: str) -> Theorem:
     if theorem.statement.count(right) != 1:
-        raise ValueError(f"{theorem.name} does not hold {right!r} once: {theorem.statement}")
+        planted = f"the error planted in {theorem.name} replaces {right!r}, which has to stand once in its statement"
+        raise ValueError(f"{planted}; it may be that the programs, or PLANTED, changed: {theorem.statement}")
     return dataclasses.replace(theorem, statement=theorem.statement.replace(right, wrong))
 
 
