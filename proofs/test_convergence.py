@@ -304,7 +304,7 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
     """A vanishing leading term, a coarse step and roundoff each change the ratio of errors under halving.
 
     At T = 4 the error of symplectic Euler's velocity from (1, 0), whose O(h) term is 0, falls by 4 rather than 2.
-    Forward Euler's falls by less than 5/4 from h = 5/2, and from 5/2 to 2 it *grows*. Halved from 1/64, RK4's step
+    Forward Euler's falls by less than 1.19 from h = 5/2, and from 5/2 to 2 it *grows*. Halved from 1/64, RK4's step
     divides its exact error by 16, and the error of the same runs in binary32 by less than 2.
     """
     velocity_term = (global_error_coefficient(local_error(M(SYMPLECTIC))) * START_COLUMN)[1]
@@ -318,7 +318,7 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
         return Real(lambda: enclose(coarse) / enclose(fine))
 
     assert ratio(velocity_error(Q(1, 32)), velocity_error(Q(1, 64))) > Real(Q(39, 10))
-    assert ratio(*(run(EULER, step).state_error for step in (Q(5, 2), Q(5, 4)))) < Real(Q(5, 4))
+    assert ratio(*(run(EULER, step).state_error for step in (Q(5, 2), Q(5, 4)))) < Real(Q(119, 100))
     assert Real(run(EULER, Q(5, 2)).state_error) < Real(run(EULER, Q(2)).state_error)
     steps = Q(1, 64), Q(1, 128)
     assert ratio(*(run(RK4, step).state_error for step in steps)) > Real(Q(159, 10))
