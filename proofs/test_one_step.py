@@ -188,7 +188,10 @@ def test_intermediate_states_are_not_the_result() -> None:
 
 @claim("L208", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_energy_readout_is_half_the_squared_radius() -> None:
-    """Our readout and our program form the energy ½(q² + v²), of exact numbers exactly, of floats to rounding (T02)."""
+    """The energy that our readout and our program form of exact numbers is ½(q² + v²).
+
+    Of floats the readout's is that up to rounding (T02).
+    """
     assert readouts.energy((q, v)) == program.energy((q, v)) == (q**2 + v**2) / 2  # type: ignore[arg-type]
 
 
