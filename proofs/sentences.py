@@ -94,11 +94,8 @@ def changes(text: str) -> list[str]:
             ids = ", ".join(dict.fromkeys(claim for line in before for claim in line.claims))
             what = f"the words of {ids}" if ids else "words without a statement"
             where = f"lines {numbers[0]} to {numbers[-1]}" if numbers[1:] else f"line {(numbers or [last])[0]}"
-            told.append(
-                f"{where}: new words"
-                if kind == "insert"
-                else f"{'' if numbers else 'after '}{where}: {what} are gone{' or changed' if numbers else ''}"
-            )
+            gone = f"{where}: {what} are gone or changed" if numbers else f"after {where}: {what} are gone"
+            told.append(f"{where}: new words" if kind == "insert" else gone)
         last = numbers[-1] if numbers else last
     return told or [moved] * bool(moved)
 
