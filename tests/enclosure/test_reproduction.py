@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from driftproof import certify
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.problem_tables import problem_table
@@ -49,6 +50,26 @@ OTHERS = {
     "clocked": Clocked(),
     "noise": lambda t, y: [NOISE.uniform() - y[0]],
 }
+
+
+KEPT, LAST = [True], [0.0]
+
+
+def thermostat(t, y):
+    KEPT[0] = KEPT[0] and bool(y[0] < 21)
+    return [5.0 * KEPT[0] - 0.1 * (y[0] - 10)]
+
+
+def since_last(t, y):
+    past, LAST[0] = LAST[0], t
+    return [t - past - y[0]]
+
+
+@pytest.mark.parametrize("f", [thermostat, since_last])
+def test_a_state_that_is_kept_and_seen_only_on_enclosed_numbers_is_the_reason(f):
+    KEPT[0] = True
+    with pytest.raises(Refused, match=r"^f keeps a state from call to call[,:]"):
+        certify(f, [0.0, 0.01], [[20.0], [20.04]])
 
 
 @pytest.mark.parametrize("name", OTHERS)
