@@ -135,10 +135,9 @@ def _certified(
     with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
-    return Certificate(
-        tuple(run.times), tuple(map(tuple, run.states)), errors, digits, enclosed.bits, enclosed.steps,
-        enclosed.doubles, split, drifts, unsplit=unsplit,
-    )  # fmt: skip
+    points = tuple(run.times), tuple(map(tuple, run.states))
+    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    return replace(found, unsplit=unsplit)
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:

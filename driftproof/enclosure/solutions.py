@@ -77,11 +77,6 @@ class Enclosure:
     doubles: tuple[float, ...]
     changes: tuple[Fraction, ...] = ()
 
-    @property
-    def radius(self) -> arb:
-        """The largest radius of any ball."""
-        return size(x.rad() for state in self.states for x in state)
-
 
 def enclose_solution(
     f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = BITS_AT_FIRST

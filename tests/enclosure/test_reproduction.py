@@ -52,24 +52,10 @@ OTHERS = {
 }
 
 
-KEPT, LAST = [True], [0.0]
-
-
-def thermostat(t, y):
-    KEPT[0] = KEPT[0] and bool(y[0] < 21)
-    return [5.0 * KEPT[0] - 0.1 * (y[0] - 10)]
-
-
-def since_last(t, y):
-    past, LAST[0] = LAST[0], t
-    return [t - past - y[0]]
-
-
-@pytest.mark.parametrize("f", [thermostat, since_last])
-def test_a_state_that_is_kept_and_seen_only_on_enclosed_numbers_is_the_reason(f):
-    KEPT[0] = True
+@pytest.mark.parametrize("kind", [Breaker, Clocked])
+def test_a_state_that_is_kept_and_seen_only_on_enclosed_numbers_is_the_reason(kind):
     with pytest.raises(Refused, match=r"^f keeps a state from call to call[,:]"):
-        certify(f, [0.0, 0.01], [[20.0], [20.04]])
+        certify(kind(), [0.0, 0.01], [[1.0], [1.01]])
 
 
 @pytest.mark.parametrize("name", OTHERS)
