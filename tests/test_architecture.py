@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5521,
+    "methods": 5523,
     "symbolic": 10762,
     "numeric": 4464,
     "blackbox": 22687,
-    "enclosure": 5691,
+    "enclosure": 5681,
     "texts": 10675,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6196
+BUDGET_OF_REPORTS_AND_FRONT = 6203
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 
