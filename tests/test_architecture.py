@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10762,
     "numeric": 4464,
     "blackbox": 22687,
-    "enclosure": 5681,
+    "enclosure": 5682,
     "texts": 10675,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6203

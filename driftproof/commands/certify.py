@@ -67,11 +67,11 @@ def certify_command(options: Namespace) -> str:
 
     exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance, or if
     the run is not of --method, whose total error is shown; 2 if the input is wrong; 3 if nothing can be proved, with
-    the reason, such as a pole near the trajectory.
+    the reason, such as a pole near the trajectory, or if a run that is off may be of SciPy's Radau.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
-    from driftproof.enclosure.exact_runs import NotItsSteps
+    from driftproof.enclosure.exact_runs import STOPPED_EARLY, NotItsSteps
     from driftproof.methods.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 
@@ -100,7 +100,7 @@ def certify_command(options: Namespace) -> str:
         verdict = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
         written = "\n".join(filter(None, [found.text(), verdict, f"wrote {drawn}" if drawn else ""]))
     if not good or found.unsplit:
-        raise cli.Refuted(written)
+        raise cli.Undecided(written) if good and STOPPED_EARLY in found.unsplit else cli.Refuted(written)
     return written
 
 

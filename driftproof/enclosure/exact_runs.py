@@ -41,6 +41,7 @@ UNSOLVED_STAGES = 2.0**27
 # SciPy's Radau stops Newton's method at min(0.03, sqrt(rtol)) (atol + rtol |y|): what is left may be as much as that,
 # with the default rtol or a smaller one. It is no allowance: steps of other methods are as near.
 LOOSEST_NEWTON, LOOSEST_RTOL = 0.03, 1e-3
+STOPPED_EARLY = "SciPy's Radau stopped Newton's method early"
 # The number of steps that are checked before the solution is enclosed, evenly spread.
 MOST_LOOKED_AT = 64
 # An interval in which rounding may grow to more than this part of the state is not told from steps of another method
@@ -268,7 +269,7 @@ def _not_its_steps(
     elif asked > 1 and not others and (steps := _steps_that_fit(plan, i, off_by)):
         causes = f"{steps} steps fit there, as if rows were missing"
     if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL:
-        causes += f", or SciPy's Radau stopped Newton's method early, as with rtol = {rtol:.1g}: take 1e-6 or less"
+        causes += f", or {STOPPED_EARLY}, as with rtol = {rtol:.1g}: take 1e-6 or less"
     return (
         f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
         f"{float(off):.2g}, where {float(allowed):.2g} is allowed for rounding (intervals that are off: {len(failed)} "
