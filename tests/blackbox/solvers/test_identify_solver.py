@@ -11,6 +11,7 @@ import pytest
 from driftproof import identify_solver
 from driftproof.blackbox.findings import NoAnswer
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.test_attempts import EXCHANGED, OF_FEW_LENGTHS, TO_AND_FRO
 from tests.blackbox.solvers.test_multistep import PECE, RIGHT, adams_bashforth2, by_number
 from tests.blackbox.transcripts import checksum, shortened
 
@@ -135,6 +136,14 @@ def between_its_times(f, t_span, y0, rtol, atol):
     return [*(t for t, _ in found), times[-1]], [*(y for _, y in found), states[-1]]
 
 
+def with_a_rest(f, t_span, y0, rtol, atol):
+    """The solver whose sum of steps misses the end of the run for its clock by a rounding."""
+    times, states, *_ = adaptive()(f, t_span, y0, rtol, atol)
+    if t_span[0] != 0.1 or len(y0) != 2:
+        return times, states
+    return [*times[:-1], times[-1] - 2.0**-52, times[-1]], [*states, states[-1]]
+
+
 def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
     slow = Mock(side_effect=NoAnswer("no answer within 1 s"))
     monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.read_runs", slow)
@@ -152,6 +161,16 @@ HELD = {
         False,
         "is not bogacki_shampine32: with five components",
     ),
+    "with another estimate": (EXCHANGED, "bogacki_shampine32", False, "is bogacki_shampine32, but it makes "),
+    "another row, alone": (EXCHANGED, "ralston3", True, "is ralston3 in "),  # it may have been meant
+    "to and fro": (
+        TO_AND_FRO,
+        "heun_euler21",
+        False,
+        "is heun_euler21, but where the estimate of heun_euler21 is one of",
+    ),
+    "of few lengths": (OF_FEW_LENGTHS, "bogacki_shampine32", None, "undecided whether it is bogacki_shampine32 in"),
+    "with a rest of a rounding": (with_a_rest, "bogacki_shampine32", True, "is bogacki_shampine32 in"),
     "between": (between_its_times, "bogacki_shampine32", None, "undecided whether it is bogacki_shampine32: its steps"),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32 in "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
