@@ -88,7 +88,7 @@ def of_another_estimate(subject: ForeignSolver, pair: RungeKutta) -> str:
 
     As an estimate O(h^p) is 0 where slopes are polynomials in t of a degree below p - 1.
     """
-    degree, atol = order_of(pair) - 2, min(*ATOLS, *_tolerances(pair))
+    degree, atol = power_of_estimate(pair) - 2, min(*ATOLS, *_tolerances(pair))
     try:
         still, calls = (len(_in_t(subject, slope, atol).calls) for slope in (lambda t: 0.0, _chebyshev(degree)))
     except (Misbehaviour, TooSlow):
@@ -104,7 +104,7 @@ def settled_steps(subject: ForeignSolver, steps: SolverSteps, pair: RungeKutta) 
     On slopes of degree p - 1 in t an estimate O(h^p) is the same for all steps of h: they become one length, which goes
     like the tolerance to the power 1/p.
     """
-    atols, power = _tolerances(pair), order_of(pair)
+    atols, power = _tolerances(pair), power_of_estimate(pair)
     try:
         runs = [_in_t(subject, _chebyshev(power - 1), atol) for atol in atols]
     except (Misbehaviour, TooSlow):
@@ -140,12 +140,12 @@ def _tolerances(pair: RungeKutta) -> list[float]:
 
     Of T_n(t) = 2^(n - 1) t^n + ... it is 2^(n - 1) h^(n + 1) times the sum of e_i c_i^n.
     """
-    n = order_of(pair) - 1
+    n = power_of_estimate(pair) - 1
     moment = abs(fsum(float(e) * float(c) ** n for e, c in zip(row_of(pair), pair.c, strict=True)))
     return [moment * (2 / count) ** (n + 1) * 2.0 ** (n - 1) for count in _COUNTS]
 
 
-def order_of(pair: RungeKutta) -> int:
+def power_of_estimate(pair: RungeKutta) -> int:
     """The power of h in the error estimate of a pair."""
     return min(pair.claimed_order, pair.embedded_order or 0) + 1
 

@@ -22,7 +22,7 @@ from driftproof.blackbox.solvers.attempts import (
     Slope,
     attempts_of,
     of_another_estimate,
-    order_of,
+    power_of_estimate,
     row_of,
     settled_steps,
 )
@@ -112,7 +112,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = F
         if 1 < len(few) <= _FEW:
             seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
         another = settled = unsettled = ""
-        if pair := min(steps.pairs, key=order_of, default=None):
+        if pair := min(steps.pairs, key=power_of_estimate, default=None):
             another = of_another_estimate(subject, pair)
             settled, unsettled = ("", "") if another else settled_steps(subject, steps, pair)
         lines = tuple(filter(None, [seen, settled, another * (not paired)]))
@@ -165,7 +165,7 @@ def _of_low_order(subject: ForeignSolver, steps: SolverSteps) -> Iterator[str]:
 
     The step size follows the tolerance to the power 1/p of an estimate O(h^p).
     """
-    power = min((order_of(pair) - 1 for pair in steps.pairs), default=0)
+    power = min((power_of_estimate(pair) - 1 for pair in steps.pairs), default=0)
     calls = list[int]()
     for tol in _TWO if power > _LESS else ():
         try:
@@ -215,7 +215,7 @@ def _estimates(pairs: Sequence[RungeKutta]) -> Iterator[_Estimate]:
     """The error estimates of these pairs; DOP853 programs blend those of two."""
     rows = {pair.key: [*map(float, row_of(pair))] for pair in pairs}
     for pair in pairs:
-        weighed, order = partial(_weighed, rows[pair.key]), order_of(pair)
+        weighed, order = partial(_weighed, rows[pair.key]), power_of_estimate(pair)
         yield _Estimate(pair.key, pair, weighed, order)
         per_unit: _OfSlopes = lambda k, h, weighed=weighed: weighed(k, 1.0)  # type: ignore[misc]
         yield _Estimate(f"{pair.key} per unit of time", pair, per_unit, order - 1)  # divided by h (burden-faires, 5.5)
