@@ -229,6 +229,8 @@ def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., 
             raise OwnSystem(
                 f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
             )
+        if far and (left := [name for name in subject.parameters if name not in each.values]):
+            raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
         if far:
             raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]

@@ -86,7 +86,14 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
             return found  # a step of several is made wrong, which another question shows
     if system is not None:
         system.compare(wanted)
+    elif clock := _reset_clock(subject):
+        raise OwnSystem(clock)
     return found
+
+
+def _reset_clock(subject: ForeignStepper) -> str:
+    """What is not seen of an object whose steps all begin at one time of a clock of its own; "" of any other."""
+    return str(getattr(getattr(subject.function, "__self__", subject.function), "reset", ""))
 
 
 def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
@@ -286,6 +293,8 @@ class OwnSteps:
         if not far:
             on_it = f"is {key} on its own system ({self._words}), to {f'{off:.0e}' if off else 'the last digit'}"
             raise AsOnOwnSystem(f"{on_it}; with another force it cannot be tried")
+        if clock := _reset_clock(self.subject):
+            raise OwnSystem(f"{clock}; without it, {far}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def off(self, wanted: Specification) -> tuple[float, str]:

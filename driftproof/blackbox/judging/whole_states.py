@@ -20,8 +20,8 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.blackbox.stepper.calling_conventions import MAP, STATE, STEP, TIME, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.forms_by_values import further_numbers
 from driftproof.blackbox.stepper.opening import drifts
-from driftproof.blackbox.stepper.records import further_numbers
 from driftproof.blackbox.stepper.state_forms import BODIES
 
 # The times at which a built-in system is seen, if its step takes one.

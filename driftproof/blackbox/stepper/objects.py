@@ -16,8 +16,9 @@ import numpy as np
 
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
-from driftproof.blackbox.stepper.calling_conventions import stand_in
-from driftproof.blackbox.stepper.records import further_numbers, goes_on
+from driftproof.blackbox.stepper.calling_conventions import TIME, role_of, stand_in
+from driftproof.blackbox.stepper.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.records import goes_on
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted if it lies deeper, or two functions, get and put.
@@ -116,7 +117,10 @@ class ObjectStep:
     function: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        """Have the name of what is made, which reports show, and arguments with names."""
+        """Have the name of what is made, which reports show, and arguments with names. Raises TypeError."""
+        for place in self.places:
+            if not isinstance(place, str) and not (len(place) == 2 and all(map(callable, place))):
+                raise TypeError(f"{place!r} is no place: give the name of an attribute, or two functions (get, put)")
         self.takes_function = _takes_function(self.make)
         pushed = self.names == "q v h" and (self.takes_function or self.push)
         self.parted = len(self.places) == 2
@@ -172,6 +176,19 @@ class ObjectStep:
             if here == there:
                 found[name] = [float(getattr(made, name, 0.0))]
         return found
+
+    @cached_property
+    def reset(self) -> str:
+        """What is not seen of it if each step sets a clock of its own to one time, as `advance` may; "" if not."""
+        made, seen = self._new(), list[dict[str, Any]]()
+        with suppress(Exception):
+            for h in (_TRIED, 2 * _TRIED):
+                self._step(made, self._filled(1.0, 0.5), [h])
+                seen.append({name: x for name, x in vars(made).items() if role_of(name, (TIME,))})
+            name = next(name for name, t in seen[0].items() if np.isclose(seen[1][name] - t, _TRIED))
+            hidden = f"its steps all begin at one {name} of its own, on which its system may depend"
+            return f"{hidden}; write a step that takes it"
+        return ""
 
     def _filled(self, q: float, v: float, begun: Sequence[Sequence[float]] = ()) -> list[list[float]]:
         """The numbers of each place at this position and velocity, with the others of a new object."""

@@ -17,12 +17,11 @@ import numpy as np
 from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
+from driftproof.blackbox.stepper.forms_by_values import further_numbers
 from driftproof.blackbox.stepper.wrapper_parts import is_before
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
-# States in which numbers are sought that a step moves besides; the sign of the position tells them apart.
-_SOMEWHERE, _ELSEWHERE = (1.0, 0.75), (-0.375, 1.75)
 # Endings of the names of new values.
 _NEW = re.compile("_?(new|next|out|1)$")
 
@@ -33,43 +32,17 @@ def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record
     return _record(*found) if found else None
 
 
-def further_numbers(
-    ends: Callable[[float, float, Mapping[str, float]], Mapping[str, Foreign]], begun: Mapping[str, Foreign]
-) -> list[str]:
-    """The names of the numbers besides q and v that a step moves on from where they are, and no clock or counter.
-
-    `ends(q, v, given)` are all numbers after a step from there, which begins with some of them as `given`. A clock goes
-    on by the same from everywhere; what is made of q and v, as an energy is, forgets where it was.
-    """
-    found, named = list[str](), dict[str, Foreign]()
-    with suppress(Exception, SystemExit):
-        named = dict(ends(*_SOMEWHERE, {}))
-    others = {name: x + 0.5 for name, end in named.items() if isinstance(x := begun.get(name, end), int | float)}
-    moving = {name: x for name, x in others.items() if named[name] != begun.get(name)}
-    for name, end in named.items():
-        with suppress(Exception, SystemExit):
-            x = float(begun.get(name, end))
-            starts = ((*_SOMEWHERE, x), (*_SOMEWHERE, x + 0.5), (*_ELSEWHERE, x))
-            there = [float(ends(q, v, {name: at})[name]) for q, v, at in starts]
-            by, near = np.subtract(there, [at for *_, at in starts]), _CLOCK**2 * max(1.0, *map(abs, there))
-            if not np.ptp(by) > near:  # it stays where it is, or goes on as a clock, unless another one moves it
-                given = moving if np.abs(by).max() > near else others
-                by = np.array([by[0], float(ends(*_ELSEWHERE, {**given, name: x})[name]) - x])
-            if abs(there[1] - there[0]) > near and np.ptp(by) > near:
-                found.append(name)
-    return found
-
-
 def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
     """The fields of a record that a step of its built-in system moves besides its position and velocity."""
 
     def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Foreign]:
-        state = record.filled(q, v, **given)
+        state = record.filled(q, v, **unread, **given)
         found = step(state)
         known = {record.position, record.velocity, *record.slopes}
         return {name: x for name, x in parts_of(state if found is None else found).items() if name not in known}
 
-    return further_numbers(ends, dict(parts_of(record.filled(*_SOMEWHERE))))
+    unread = {name: 0.0 for name, needed in record.slopes.items() if needed}
+    return further_numbers(ends, dict(parts_of(record.filled(1.0, 0.75, **unread))))
 
 
 def fields_of(
@@ -311,8 +284,7 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         further = further_fields(record, alone) if record is not None else []
         if record is not None and not further:
             if not record.slopes:  # a slope that is handed on has no function to be asked for
-                free = _form(called, record, False, "", False)
-                yield lambda q, v, h: free(None, q, v, h)
+                yield _with_parameters(called, record)
         elif found := fields_of(step, alone):
             name, make, _, needed = found
             yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])))
@@ -326,6 +298,17 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         called(lambda *asked: seen.extend(asked) or 0.0, (1.0, 0.5))  # type: ignore[func-returns-value]
     if seen and not any(map(np.ndim, seen)):  # a pair, which the step takes apart
         yield _form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, pushed, False)
+
+
+def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
+    """The step(q, v, h) of a record with its system built in, and what makes it of other parameters."""
+    free = _form(step, record, False, "", False)
+    form: Any = lambda q, v, h: free(None, q, v, h)
+    form.others = {name: x for name, x in record.known.items() if name in record.given}
+    form.of_others = lambda others: _with_parameters(
+        step, dataclasses.replace(record, known={**record.known, **others})
+    )
+    return form
 
 
 def _of_numbers(
