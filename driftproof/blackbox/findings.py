@@ -41,10 +41,6 @@ class WrongAnswer(WrongShape):
     """The answer is understood, and no step or run gives it."""
 
 
-class PositionsAlone(WrongShape):
-    """A run returns its positions without velocities."""
-
-
 class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 
@@ -55,6 +51,10 @@ class NothingReturned(NotANumber):
 
 class AskedAtNoState(NotANumber):
     """The step asks for its right-hand side at what is no real state."""
+
+
+class ArgumentsExchanged(AskedAtNoState):
+    """One call of a right-hand side has its state and its time in another order than the others."""
 
 
 class Increment(Misbehaviour):

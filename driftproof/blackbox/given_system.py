@@ -26,9 +26,10 @@ from driftproof.blackbox.findings import (
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
 from driftproof.blackbox.judging.given_steps import GivenSteps
-from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, OwnSystem, own_time, seen_at
+from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, OwnSystem
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects
+from driftproof.blackbox.judging.whole_states import own_time, seen_at
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
@@ -228,6 +229,8 @@ def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., 
             raise OwnSystem(
                 f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
             )
+        if far and (left := [name for name in subject.parameters if name not in each.values]):
+            raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
         if far:
             raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]

@@ -28,11 +28,10 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
-from driftproof.blackbox.judging.own_system import own_methods
+from driftproof.blackbox.judging.own_system import linear_fit_of_all, own_methods
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
-from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import ADAPTIVE, MOVES, REMEMBERS, NotReadable
@@ -155,7 +154,7 @@ def identification(
     """Identify the runner's stepper, given three answers; the other questions are asked in the time that is left."""
     if read.kind == findings.BadInput.kind:
         raise ValueError(read.seen)
-    asked = [introduction, linear_fit, judged_estimate, *CHECKS.values()]
+    asked = [introduction, linear_fit_of_all, judged_estimate, *CHECKS.values()]
     introduced, fit, estimate, *answers = outcomes = runner.run(asked)
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     damping = runner.outcome_of(read_damping) if read.failed and not introduced.failed else Outcome()

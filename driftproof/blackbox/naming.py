@@ -10,7 +10,7 @@ from typing import NamedTuple
 from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope, UnsupportedCall
+from driftproof.blackbox.findings import NO_EVIDENCE, ArgumentsExchanged, Outcome, StaleSlope, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
 from driftproof.blackbox.judging.own_system import OwnMethods
 from driftproof.blackbox.matching.candidates import EMBEDDED
@@ -136,8 +136,8 @@ class Seen:
         if self.introduction.kind in NO_EVIDENCE:
             return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {self.introduction.seen}")
         if self.introduction.failed:
-            stale = self.introduction.kind == StaleSlope.kind
-            basis, words = (Basis.UNKNOWN, NOT_KNOWN) if stale else (Basis.NO_ANSWER, NO_ANSWER)
+            answered = self.introduction.kind in (StaleSlope.kind, ArgumentsExchanged.kind)
+            basis, words = (Basis.UNKNOWN, NOT_KNOWN) if answered else (Basis.NO_ANSWER, NO_ANSWER)
             return Naming(basis, f"{words}: {self.introduction.seen}")
         read, fit = self.read, self.fit
         if read is not None and read.identity.matches:

@@ -91,6 +91,7 @@ class Verification:
         if found is None:
             return f"is {key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
         where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
+        where += f", {found.oscillators} oscillators in one state," * (found.oscillators > 1)
         near = " in ".join(filter(None, [self.how_near, found.narrow]))
         steps, largest = f"{found.examples} steps {found.bound}", f"{found.worst.error_over_bound:.2f}"
         return f"is {key}{where} {near}: {steps}, the largest error {largest} of it"

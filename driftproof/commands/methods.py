@@ -14,7 +14,7 @@ _PICTURES = ("region", "order-star", "phase")
 
 @cli.command(cli.format_option("text json", "json has an entry for each key"))
 def methods_command(options: Namespace) -> str:
-    """List the methods of the catalogue: key, family, claimed order, title and source.
+    """List the methods of the catalogue: key, family, claimed order, title, source. KEY_embedded: a pair's other row.
 
     examples:
       driftproof methods

@@ -181,6 +181,15 @@ def kepler(t, y, mu=1.0):
     return [*y[3:], *(-mu * y[:3] / np.linalg.norm(y[:3]) ** 3)]
 
 
+class Spring:
+    def __init__(self, pos=1.0, vel=0.0, stiffness=9.0):
+        self.pos, self.vel, self.stiffness = pos, vel, stiffness
+
+    def update(self, dt):
+        self.vel -= self.stiffness * self.pos * dt
+        self.pos += self.vel * dt
+
+
 @pytest.mark.parametrize(("step", "method", "system", "said"), [
     (discharge, "heun2", lambda t, y, R, C: -y / (R * C), "is heun2 on the system given with R = 1.25; C = 0.875, to"),
     (partial(discharge, wrong=1), "heun2", lambda y, R, C: -y / (R * C), "is not the one given with R = 1.25; C = 0."),
@@ -194,6 +203,8 @@ def kepler(t, y, mu=1.0):
     (sky, "symplectic_euler_position_first", attracted, "on the system given with mass = 2, 4, 8, to"),
     (sky, "symplectic_euler_position_first", lambda y: attracted(0.0, y, np.ones(3)),
      "undecided whether it is symplectic_euler_position_first: its system is not the one given with the masses of its"),
+    (Spring.update, "symplectic_euler", lambda y: [y[1], -9 * y[0]], "undecided whether it is symplectic_euler: with"),
+    (Spring.update, "symplectic_euler", lambda y, stiffness: [y[1], -stiffness * y[0]], "with stiffness = 1.25, to"),
     (spinning, "midpoint2", lambda t, psi: -1j * np.array([[1, 2], [2, -1]]) @ psi, "on the system given, to"),
     (spinning, "midpoint2", lambda y: [y[2] + 2 * y[3], 2 * y[2] - y[3], -y[0] - 2 * y[1], y[1] - 2 * y[0]], "given"),
 ])  # fmt: skip

@@ -24,7 +24,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 # A last bit at random is the same in this many calls once in 128.
 _REPETITIONS = 8
 # Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
-_FEW_ULPS = 16
+FEW_ULPS = 16
 # A solver that begins with its last solution changes a step by less than this part, a method with memory by more. An
 # explicit step solves nothing, and repeats to a few ulp.
 ALIKE = 2.0**-10
@@ -70,7 +70,7 @@ def first_call_again(subject: ForeignStepper, explicit: bool = False) -> StepFin
         return StepFinding(None, "its first step cannot be repeated")
     step, end = subject.begun
     size, most = float(np.max(np.abs(end))), 0.0
-    few = 2 * _FEW_ULPS * float(half_spacing(size, subject.format))
+    few = 2 * FEW_ULPS * float(half_spacing(size, subject.format))
     for again in (step(subject) for _ in range(MANY)):
         off = np.abs(np.subtract(again, end))
         if not np.all(off <= (few if explicit else ALIKE * np.abs(end))):
@@ -105,7 +105,7 @@ def _varies(words: str, example: tuple[Trial, ...] = ()) -> tuple[CheckResult, .
 def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
     """The distance in words: in ulp if it is a few of them, else relative to the size of ordinary states."""
     ulps = round(spread / (2 * float(half_spacing(max(map(abs, answer)), fmt))))
-    if ulps <= _FEW_ULPS:
+    if ulps <= FEW_ULPS:
         return f"up to {max(1, ulps)} ulp"
     return f"up to {spread / max(map(abs, ORDINARY_STATE)):.1e} of their size"
 

@@ -270,7 +270,7 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     """Read the recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
     recurrence = recurrences.read_recurrence(runs, asked)
-    start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
+    start, handed = None, isinstance(subject.function, HandedSlopes)
     across, estimate = None, None
     with suppress(Misbehaviour, UnsupportedCall):
         own = recurrence.recurrence

@@ -90,8 +90,8 @@ class Agreement:
     `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
     None. `but_for` says under which allowance none is, if that was tried, and `within` is the smaller domain in which
     none is, if beyond it an iteration does not converge. `narrow` is the format of answers that are not doubles.
-    Errors of up to `times` the bound are allowed. Sampling is evidence, not proof; the bound, proportional to a
-    `solver_tolerance`, is proved.
+    Errors of up to `times` the bound are allowed. One state holds so many `oscillators`. Sampling is evidence, not
+    proof; the bound, proportional to a `solver_tolerance`, is proved.
     """
 
     method: str
@@ -105,6 +105,7 @@ class Agreement:
     narrow: str = ""
     solver_tolerance: float = 0.0
     times: int = 1
+    oscillators: int = 1
 
     @property
     def holds(self) -> bool:

@@ -6,43 +6,43 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from itertools import chain, pairwise, product
-from math import ceil, cos, hypot, log2
+from itertools import pairwise, product
+from math import ceil, hypot, log2
 from typing import NamedTuple
 
 import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, ordinary_arguments
+from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
+from driftproof.blackbox.judging.whole_states import ROUGH, TIMES, moves_more, oscillators, own_time, pairs_of, seen_at
+from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, STATE, STEP, CallingConvention
-from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, POSITION, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.opening import drifts
-from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
+from driftproof.support.plain_text import counted
 
 # Slopes are extrapolated from steps of 2**-8 of the system's own time and halves of these: what is cut off is below
 # 2**-50, and rounding, divided by the shortest, below 2**-36. Half of the digits leave room for a step made of them.
 _LONGEST, _HALVINGS, _ERROR, _HALF_THE_DIGITS = 2.0**-8, 5, 2.0**-36, 2.0**-26
-# Slopes that agree no better are none of a system, or another system's; the step sizes with which they are sought, the
-# smaller ones for rates of a million or more: 2^-40 rounds slopes of the state's size to 2^-13.
-_ROUGH, _FIRST = 2.0**-10, (2.0**-20, 2.0**-30, 2.0**-40)
+# Slopes that agree no better than ROUGH are none of a system, or another system's; the step sizes with which they are
+# sought, the smaller ones for rates of a million or more: 2^-40 rounds slopes of the state's size to 2^-13.
+_FIRST = (2.0**-20, 2.0**-30, 2.0**-40)
 # A state with slopes so many times as large as at the others, as where bodies nearly touch, would make all steps short.
 _STEEP = 64
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
 _NEAR = 2.0**-18
-# Where methods are compared: at times, and at steps in units of the system's own time, long enough to tell methods of
-# one order apart, if slopes change by more than a part. Stages should contract by 3/4 or better in each round.
-TIMES, COMPARED, SEEN_BENT, _CONTRACTS = (0.0, 0.75), (0.25, 1.0), 2.0**-16, 0.75
+# Where methods are compared: at steps in units of the system's own time, long enough to tell methods of one order
+# apart, if slopes change by more than a part. Stages should contract by 3/4 or better in each round.
+COMPARED, SEEN_BENT, _CONTRACTS = (0.25, 1.0), 2.0**-16, 0.75
 
 
 # Systems with a shorter time are looked at again, as it may be that of a stiff spring.
@@ -70,12 +70,30 @@ class NotOnOwnSystem(Misbehaviour):
 def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
     """The agreement with the method on q'' = -q, with the habit that explains errors.
 
-    Raises OwnSystem, or NotOnOwnSystem, if another system is built in.
+    Raises OwnSystem, or NotOnOwnSystem, if another system is built in, which may be one of further numbers or of times.
     """
-    found = explain_by_habits(subject, wanted, examples)
-    if not found.holds and (system := own_system(subject, wanted.domain)):
+    found, given = explain_by_habits(subject, wanted, examples), subject.convention
+    if not found.holds:
+        system = own_system(subject, wanted.domain)
+    elif given.kind != MAP or CARRIED in given.order:
+        return found
+    elif count := oscillators(subject, wanted):
+        return replace(found, oscillators=count)
+    else:
+        system = system_of(subject, wanted.domain)
+        one_by_one = POSITION in given.order and TIME not in given.order and not hasattr(subject.function, "begun")
+        if system is not None and one_by_one and system.oscillates(_HALF_THE_DIGITS):
+            return found  # a step of several is made wrong, which another question shows
+    if system is not None:
         system.compare(wanted)
+    elif clock := _reset_clock(subject):
+        raise OwnSystem(clock)
     return found
+
+
+def _reset_clock(subject: ForeignStepper) -> str:
+    """What is not seen of an object whose steps all begin at one time of a clock of its own; "" of any other."""
+    return str(getattr(getattr(subject.function, "__self__", subject.function), "reset", ""))
 
 
 def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
@@ -83,44 +101,27 @@ def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     given = subject.convention
     if given.kind != MAP or given.extra or CARRIED in given.order:
         return None
+    system = system_of(subject, domain)
+    return None if system is None or system.oscillates(ROUGH) else system
+
+
+def linear_fit_of_all(subject: ForeignStepper) -> LinearFit:
+    """The linear steps of q and v. Raises OwnSystem if these are not the whole state, or if other times move them."""
+    given = subject.convention
+    if given.kind == MAP and CARRIED not in given.order:
+        more = moves_more(subject, ORDINARY_DOMAIN)
+        system = system_of(subject, ORDINARY_DOMAIN) if more or TIME in given.order else None
+        if system is not None and (more or system.timed) and not system.alike:
+            raise OwnSystem(system.words)
+    return linear_fit(subject)
+
+
+def system_of(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
+    """The system that a stepper has built in; None if short steps show none of two numbers. Raises NoSlopes of more."""
     system = OwnSteps.of(*(found := seen_at(subject, domain)))
     if system is None and len(found[1][0]) > 2:
         raise NoSlopes(f"its system of {len(found[1][0])} numbers is built in, and short steps show no slopes of it")
     return system
-
-
-def seen_at(
-    subject: ForeignStepper, domain: Domain, size: int | None = None
-) -> tuple[ForeignStepper, list[tuple[float, ...]]]:
-    """The stepper as it takes all numbers of its built-in system, or `size` of them, and states at which it is seen."""
-    (*_, (q, v)), _ = ordinary_arguments(subject, domain)
-    begun = [*chain(*getattr(subject.function, "begun", ()))]
-    if begun[2:]:  # of an object with further numbers
-        of_all, alone = subject.function.of_all, CallingConvention(MAP, (STATE, STEP))  # type: ignore[attr-defined]
-        subject = replace(subject, function=of_all, convention=alone, adapter=ARRAYS, log=CallLog())
-        return subject, [tuple(x + cos(3 * i + place) / 8 for i, x in enumerate(begun)) for place in range(3)]
-    subject, size = (subject, size or 2) if begun or size else _whole(subject)
-    # None of them has a 0, where a friction jumps.
-    first = [(q, v), (v / 2, q / 2), (-q, v / 4)]
-    return subject, [(*y, *[v * cos(3 * i + place) for i in range(size - 2)])[:size] for place, y in enumerate(first)]
-
-
-def own_time(seen: Sequence[tuple[Array, Array]], slopes: Callable[[Array], Array] | None = None) -> float:
-    """A power of two near to the own time of a system with these slopes at these states.
-
-    That is one over the size of its Jacobian matrix J or, given all slopes, over the root of that of J^2: of a stiff
-    spring with J = (0, 1; -k, 0), the root of k. J d is the difference of two slopes.
-    """
-    rates = list[float]()
-    for (y, f), (z, g) in pairwise(seen):
-        far, moved = float(np.linalg.norm(z - y)), float(np.linalg.norm(g - f))
-        rates.append(moved / far)
-        if slopes is None or not moved:
-            continue
-        part = _ROUGH * far / moved
-        with suppress(Misbehaviour, ArithmeticError):
-            rates[-1] = (float(np.linalg.norm(slopes(y + part * (g - f)) - f)) / (part * far)) ** 0.5
-    return 2.0 ** -round(log2(max(*rates, _ROUGH)))
 
 
 class OwnMethods(NamedTuple):
@@ -140,27 +141,6 @@ def own_methods(subject: ForeignStepper) -> OwnMethods | None:
             far[key] = system.off(Specification(method))[1]
     keys = tuple(key for key, words in far.items() if not words)
     return OwnMethods(system.words, keys if keys or len(far) == len(METHODS) else None)
-
-
-def _whole(subject: ForeignStepper) -> tuple[ForeignStepper, int]:
-    """The subject as it takes all numbers of its system, and how many these are.
-
-    They are more than q and v if one array holds them, or if coordinates move each other.
-    """
-    known = subject.adapter.together
-    if STATE in subject.convention.order:
-        return subject, max(2, known)
-    for adapter, row in ((BODIES, 3),) * drifts(subject) + ((subject.adapter, known),):
-        several = replace(subject, adapter=adapter)
-        for size in (3 * row, 2 * row, row) if row else (3, 2):
-            with suppress(Misbehaviour):
-                y = [cos(i) for i in range(2 * size)]
-                starts = (y[0], y[0] / 2, y[0])
-                end, other, again = (np.array(several.step_state([x, *y[1:]], COMPARED[0])) for x in starts)
-                moved = np.abs(end - other) > _ROUGH * np.abs(end)
-                if moved[[i for i in range(2 * size) if i % size]].any() and np.array_equal(end, again):
-                    return several, 2 * size
-    return subject, 2
 
 
 @dataclass(frozen=True)
@@ -223,32 +203,54 @@ class OwnSteps:
         for y in self.states:
             with suppress(Misbehaviour):
                 slopes, off = self._measured(0.0, y, h, 2)
-                if not off <= _ROUGH * (1 + hypot(*slopes)):
+                if not off <= ROUGH * (1 + hypot(*slopes)):
                     return None
                 seen.append((np.array(y), slopes))
         return seen
 
     @classmethod
     def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, ...]]) -> OwnSteps | None:
-        """The system at the states with an answer; None if short steps have no slopes there, or those of q'' = -q."""
+        """The system at the states with an answer; None if short steps have no slopes there."""
         first = cls(subject, states)
         smooth = (seen for h in _FIRST if (seen := first._seen_with(h)) is not None)
         if (seen := next(smooth, None)) is None:
             return None
         sizes = [float(np.linalg.norm(slopes)) for _, slopes in seen]
         seen = [each for each, size in zip(seen, sizes, strict=True) if size <= _STEEP * sorted(sizes)[len(sizes) // 2]]
-        # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.
-        turned = np.array([[slopes[1], -slopes[0], *slopes[2:]] for _, slopes in seen])
-        if not seen[1:] or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
+        if not seen[1:]:
             return None
         unit = own_time(seen)
         if unit < _FAST:
             unit = own_time(seen, lambda y: first._measured(0.0, y.tolist(), unit * _LONGEST, _HALVINGS)[0])
         return cls(subject, [tuple(y.tolist()) for y, _ in seen], unit)
 
+    def oscillates(self, near: float) -> bool:
+        """True if all numbers move as so many oscillators q'' = -q do, or turned the other way, at every time.
+
+        Then q'' = -q is that of a state (v, q), for which there are words of their own.
+        """
+        seen, pairs = list[bool](), pairs_of(self.subject, self.size)
+        for t, y in product(TIMES[: 1 + (TIME in self.subject.convention.order)], self.states):
+            with suppress(Misbehaviour):
+                slopes, _ = self._measured(t, y, self.unit * _LONGEST, _HALVINGS)
+                turned = [x for i, j in pairs for x in (-slopes[j], slopes[i])]
+                at = [x for i, j in pairs for x in (y[i], y[j])]
+                seen.append(any(np.allclose(turned, np.multiply(way, at), near, near) for way in (1, -1)))
+        return bool(pairs) and all(seen)
+
+    @property
+    def alike(self) -> bool:
+        """True if its numbers are oscillators that take the same step. Raises a Misbehaviour."""
+        pairs, (q, v, *_) = pairs_of(self.subject, self.size), self.states[0]
+        y = [q if any(i == place for i, _ in pairs) else v for place in range(self.size)]
+        ends = (np.array([end[i], end[j]]) for end in [self.end(0.0, y, COMPARED[0])] for i, j in pairs)
+        return self.oscillates(ROUGH) and all(np.allclose(*both, _HALF_THE_DIGITS) for both in pairwise(ends))
+
     @property
     def words(self) -> str:
         """The system in words, as it is near (0, 0), if it has slopes there."""
+        if self.oscillates(ROUGH):
+            return f"its system is built in, {counted(self.size // 2, 'oscillator')} q'' = -q"
         return f"its system is built in, not q'' = -q but {self._words}"
 
     @property
@@ -259,19 +261,27 @@ class OwnSteps:
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
-            later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in TIMES[::-1])
+            here, timed = [np.array(self.slopes(0.0, y)) for y in self.states], self.timed
         except (Misbehaviour, ArithmeticError):
             return "another one"
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
-        if np.abs(rows[:, :2]).max() * self.unit * _ROUGH > 1:  # a jump
+        if np.abs(rows[:, :2]).max() * self.unit * ROUGH > 1:  # a jump
             return "another one"
         # Where q' = v, a velocity is as large as a position by the system's own time: -1e6 q - 10 v is not -1e6 q.
         sizes = (1.0, 1 / self.unit if abs(rows[0, 0]) * self.unit < _NEAR else 1.0, 1.0)
         texts = [f"{name}' = {_sum_text(row, names, sizes)}" for name, row in zip(names, rows.tolist(), strict=True)]
         text = ", ".join(texts)
-        linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
+        linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], ROUGH, ROUGH)
         text += ", a constant force" * (linear and text.startswith("q' = v") and not set(text[11:]) & set("qv"))
-        return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
+        return text + " near (0, 0)" * (not linear) + " at t = 0" * timed
+
+    @property
+    def timed(self) -> bool:
+        """True if its slopes depend on the time that the step takes. Raises ArithmeticError if they are not smooth."""
+        if TIME not in self.subject.convention.order:
+            return False
+        here, later = ([self.slopes(t, y) for y in self.states] for t in TIMES)
+        return not np.allclose(here, later, ROUGH, ROUGH)
 
     def compare(self, wanted: Specification) -> None:
         """Raise OwnSystem or, if a step is not the method's, NotOnOwnSystem."""
@@ -283,6 +293,8 @@ class OwnSteps:
         if not far:
             on_it = f"is {key} on its own system ({self._words}), to {f'{off:.0e}' if off else 'the last digit'}"
             raise AsOnOwnSystem(f"{on_it}; with another force it cannot be tried")
+        if clock := _reset_clock(self.subject):
+            raise OwnSystem(f"{clock}; without it, {far}")
         raise NotOnOwnSystem(f"{system}: {far}")
 
     def off(self, wanted: Specification) -> tuple[float, str]:
@@ -325,7 +337,7 @@ class OwnSteps:
             up, down, twice = ((each[:half], each[half:]) for each in seen)
             off = [*(up[0] + down[0]), *(twice[0] - 2 * up[0]), *(up[1] - down[1])]
             share = np.abs(off).sum() / (1 + np.abs(up).sum())
-            if odd or not all(up[0]) or share > _ROUGH:
+            if odd or not all(up[0]) or share > ROUGH:
                 raise MethodError("it is not q' = c v, v' = F(q)")
             if share > _HALF_THE_DIGITS:
                 raise MethodError("rounding leaves open whether it is q' = c v, v' = F(q), or not quite")

@@ -13,12 +13,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import (
+    ArgumentsExchanged,
     AskedAtNoState,
     Misbehaviour,
     NotANumber,
     NotFinite,
     NothingReturned,
-    PositionsAlone,
     StepRaised,
     WrongAnswer,
     WrongShape,
@@ -113,6 +113,9 @@ class ForeignCode:
             except WrongShape:  # it calls f in the other order than it takes them itself
                 state, time = time, state
                 asked = self.adapter.read(arguments[state], size)
+                if known:
+                    first, other = ("f(y, t)", "f(t, y)")[:: 1 if time == 0 else -1]
+                    raise ArgumentsExchanged(f"of the calls in a step one is {other}, others are {first}") from None
             except NotANumber as refusal:
                 near = np.asarray(arguments[state])
                 if near.dtype.kind == "c" and 0 < (off := abs(near.imag).max()) < _COMPLEX_STEP:
@@ -322,7 +325,7 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
     if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is_start(start, table[:, 0])):
         return table.T, _COLUMNS
     if steps > 1 and table.size * 2 == (steps + 1) * size and np.array_equal(table[0].ravel(), start[: size // 2]):
-        raise PositionsAlone(f"of {steps} steps it returns {steps + 1} positions and no velocities")
+        raise WrongShape(f"of {steps} steps it returns {steps + 1} positions and no velocities")
     made = "one step" if steps == 1 else f"{steps} steps"
     why = f"not {'two' if steps == 1 else steps + 1} states"
     said = f"of {made} from {list(start)!r} it returns an array of shape {table.shape}, "

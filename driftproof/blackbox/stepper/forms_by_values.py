@@ -24,6 +24,36 @@ _CELLS = 3
 _NUMBERS_OF_A_VECTOR = (3, 2)
 # An array that is a state may hold so many numbers.
 _NUMBERS_OF_AN_ARRAY = (2, 3, 4, 6)
+# States in which numbers are sought that a step moves besides, the sign of the position telling them apart; and what of
+# their changes is no difference.
+_SOMEWHERE, _ELSEWHERE, _ALIKE = (1.0, 0.75), (-0.375, 1.75), 2.0**-16
+
+
+def further_numbers(
+    ends: Callable[[float, float, Mapping[str, float]], Mapping[str, Foreign]], begun: Mapping[str, Foreign]
+) -> list[str]:
+    """The names of the numbers besides q and v that a step moves on from where they are, and no clock or counter.
+
+    `ends(q, v, given)` are all numbers after a step from there, which begins with some of them as `given`. A clock goes
+    on by the same from everywhere; what is made of q and v, as an energy is, forgets where it was.
+    """
+    found, named = list[str](), dict[str, Foreign]()
+    with suppress(Exception, SystemExit):
+        named = dict(ends(*_SOMEWHERE, {}))
+    others = {name: x + 0.5 for name, end in named.items() if isinstance(x := begun.get(name, end), int | float)}
+    moving = {name: x for name, x in others.items() if named[name] != begun.get(name)}
+    for name, end in named.items():
+        with suppress(Exception, SystemExit):
+            x = float(begun.get(name, end))
+            starts = ((*_SOMEWHERE, x), (*_SOMEWHERE, x + 0.5), (*_ELSEWHERE, x))
+            there = [float(ends(q, v, {name: at})[name]) for q, v, at in starts]
+            by, near = np.subtract(there, [at for *_, at in starts]), _ALIKE * max(1.0, *map(abs, there))
+            if not np.ptp(by) > near:  # it stays where it is, or goes on as a clock, unless another one moves it
+                given = moving if np.abs(by).max() > near else others
+                by = np.array([by[0], float(ends(*_ELSEWHERE, {**given, name: x})[name]) - x])
+            if abs(there[1] - there[0]) > near and np.ptp(by) > near:
+                found.append(name)
+    return found
 
 
 @dataclass(frozen=True)

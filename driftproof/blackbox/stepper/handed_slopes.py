@@ -1,4 +1,4 @@
-"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or their history, as steps that remember them."""
+"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), as steps that remember them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,7 @@ _PREVIOUS = re.compile(
     r"(f|fn|fy|rhs|slope|dydt|dydx|k)_?(prev|previous|old|last|before|nm|n_minus|minus|m)_?(\d*)"
     r"|(prev|previous|old|last)_(f|rhs|slope|dydt|k)(\d*)"
 )
-# Names for all earlier slopes, the newest last.
-_HISTORIES = (
-    *("history", "hist", "f_history", "f_hist", "fhist", "history_f", "slopes", "past", "past_f", "past_slopes"),
-    *("previous", "memory", "fs", "f_list", "f_past", "rhs_history", "derivatives_history", "buffer"),
-)
-# How many slopes are kept, and given to a step that does not start from an empty history.
+# How many slopes are kept.
 _AT_FIRST = 8
 # Slopes with a smaller relative difference count as the same.
 _ALIKE = 2.0**-20
@@ -37,19 +32,17 @@ class _Decisions(dict[str, bool]):
 class HandedSlopes:
     """The step without its arguments for earlier slopes, which are kept here.
 
-    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1) or (q1, v1, f1), the history
-    of (y1, history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step
-    is given the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were
-    given f at the first state for all earlier slopes, so that the stepper has no start of its own.
+    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1) or (q1, v1, f1). If f1 is
+    the slope at the end of its step, each step is given the slope at its own start instead, and nothing is remembered.
+    The first steps are given f at the first state for all earlier slopes: the stepper has no start of its own.
     """
 
-    def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
-        """Take the names of all arguments in order, of those for earlier slopes, and of their history, "" for none."""
-        self.step, self.slots, self.history = step, slots, history
+    def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str]) -> None:
+        """Take the names of all arguments in order, and of those for earlier slopes."""
+        self.step, self.slots = step, slots
         self.kept: Any = []
-        self.handed = bool(slots)
         self.returned = _Decisions()
-        self.rest = [name for name in names if name not in (*slots, history)]
+        self.rest = [name for name in names if name not in slots]
         roles = (*calling.STANDARD_ORDER[calling.FIELD], calling.POSITION, calling.VELOCITY)
         self.roles = {role: next((x for x in self.rest if calling.role_of(x, (role,))), "") for role in roles}
         self.of_force = bool(self.roles[calling.POSITION] and self.roles[calling.VELOCITY])
@@ -61,8 +54,6 @@ class HandedSlopes:
         """Make one step, and keep the slope at its start or what the step hands on."""
         given = {**dict(zip(self.rest, arguments, strict=False)), **named}
         slope = self._slope(given)
-        if self.history:
-            return self._with_history(given, slope)
         for back, name in enumerate(self.slots, 1):
             given[name] = self.kept[-back] if back <= len(self.kept) else slope
         answer = self.step(**given)
@@ -92,23 +83,6 @@ class HandedSlopes:
             self.returned["slope"] = bool(np.linalg.norm(end - start) < np.linalg.norm(end))
         return self.returned.get("slope", True)
 
-    def _with_history(self, given: dict[str, Foreign], slope: Foreign) -> Foreign:
-        """Make one step; its history becomes what the step made of it or returned, or is extended by the slope."""
-        before = list(self.kept)
-        try:
-            answer = self.step(**given, **{self.history: self.kept})
-        except IndexError:
-            if before:
-                raise
-            self.handed, before, self.kept = True, [slope] * _AT_FIRST, [slope] * _AT_FIRST
-            answer = self.step(**given, **{self.history: self.kept})
-        last = answer[-1] if isinstance(answer, tuple) and len(answer) > 1 else None
-        if last is not None and (last is self.kept or np.ndim(last) > np.ndim(slope)):
-            self.kept, answer = last, answer[:-1]
-        elif len(self.kept) == len(before) and all(x is y for x, y in zip(self.kept, before, strict=True)):
-            self.kept = [*before, slope][-_AT_FIRST:]
-        return answer
-
     def _slope(self, given: Mapping[str, Foreign], later: Any = 0.0) -> Foreign:
         """f at the given state, `later` after the start of the step, called with t and y in the step's own order."""
         f, state, time = (given.get(self.roles[role]) for role in (calling.FUNCTION, calling.STATE, calling.TIME))
@@ -132,7 +106,4 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     words = {name: calling.word_of(name) for name in names}
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
     slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
-    history = next((name for name in names if words[name] in _HISTORIES), "")
-    if not slots and not history:
-        return step
-    return HandedSlopes(step, calling.required_names(step) or (), slots, history)
+    return HandedSlopes(step, calling.required_names(step) or (), slots) if slots else step

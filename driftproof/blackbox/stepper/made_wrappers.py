@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
+from dis import get_instructions
 from itertools import chain, product
 from typing import Any, NamedTuple
 
@@ -257,7 +258,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     replaced = {
         each: (required_names(getattr(cls, each)) or [])[1:]
         for each in public_methods(cls)
-        if role_of(each, (FUNCTION,))
+        if role_of(each, (FUNCTION,)) and not _changes_its_object(getattr(cls, each))
     }
     pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
     # An input is None, if it is only handed on; the object has its state.
@@ -274,6 +275,12 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
             if found.moves_by():
                 return found.line()
     return ""
+
+
+def _changes_its_object(method: Any) -> bool:
+    """True if a method sets attributes, as of an integral that it advances, so that it is a part of the step."""
+    code = getattr(method, "__code__", None)
+    return code is not None and any(each.opname == "STORE_ATTR" for each in get_instructions(code))
 
 
 def _replacing(names: Sequence[str], kind: str, q: str, handed_on: bool) -> str:

@@ -4,30 +4,23 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from itertools import permutations
 from typing import Any
 
-import numpy as np
-
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import called_functions, gradients_of
+from driftproof.blackbox.stepper.function_wrappers import gradients_of
 from driftproof.blackbox.stepper.wrapper_parts import (
-    TRIAL_ARGUMENTS,
     arguments_by_role,
     called_with,
     is_before,
     plain_role,
 )
 
-# A decay so fast that a long step of it grows, unless it is solved for.
-_STIFF, _GROWN = 2.0**10, 2.0
 # The names under which the one argument that says nothing is tried: the state, the velocity, the position.
 _TRIED = ("y", "v", "q")
 
 
 def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """Yield the step with usual names that it may be: of two gradients, of two right-hand sides, of one unusual name.
+    """Yield the step with usual names that it may be: of two gradients, or of one unusual name.
 
     >>> def euler(rhs, t, c, dt):
     ...     return c + dt * rhs(t, c)
@@ -40,9 +33,6 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         if {"q", "v", "h"} <= {*given.values()} and len(given) + len(gradients) == len(names):
             yield called_with(step, names, {**gradients, **given}, ["force", "q", "v", "h"])
     unknown = [each for each in names if not _is_known(each)]
-    pairs = called_functions(step, names)
-    if pairs and (parts := _explicit_first(step, names, pairs)):
-        yield renamed(step, names, dict(zip(parts, ("f_explicit", "f_implicit"), strict=True)))
     if calling.size_name(names) and any(plain_role(each) == calling.FUNCTION for each in names):
         twice = [each for each in names if plain_role(each) == calling.VELOCITY] if not unknown else []
         for name, usual in ((x, each) for x in (unknown if len(unknown) == 1 else twice[:1]) for each in _TRIED):
@@ -62,16 +52,3 @@ def _is_known(name: str) -> bool:
     masses = (*calling.UNIT_PARAMETERS, *calling.MASSES, *calling.INVERSE_MASSES)
     known = word in (*masses, *calling.COUNTS, "neq", "nvar", "dim") or word.endswith("out")
     return known or is_before(name) or calling.role_of(name, calling.ROLES) is not None
-
-
-def _explicit_first(step: Callable[..., Any], names: Sequence[str], pair: Sequence[str]) -> Sequence[str]:
-    """The two right-hand sides of a step of a state, that which it solves for last; nothing if that is not seen."""
-    given = arguments_by_role([each for each in names if each not in pair], calling.FIELD)
-    solved = list[Sequence[str]]()
-    for parts in permutations(pair):
-        with suppress(Exception):
-            rates: dict[str, Any] = dict(zip(parts, (0.0, -_STIFF), strict=True))
-            slopes = {each: lambda *x, rate=rate: rate * max(x, key=np.size) for each, rate in rates.items()}
-            end = step(**slopes, **{each: TRIAL_ARGUMENTS[text] for each, text in given.items()})
-            solved += [parts] * bool(np.abs(end).max() < _GROWN)
-    return solved[0] if len(solved) == 1 and {"y", "h"} <= {*given.values()} else ()

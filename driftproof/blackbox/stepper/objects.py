@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain
+from itertools import chain, islice
 from math import isfinite
 from operator import attrgetter
 from typing import Any, TypeAlias
@@ -16,7 +16,8 @@ import numpy as np
 
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
-from driftproof.blackbox.stepper.calling_conventions import stand_in
+from driftproof.blackbox.stepper.calling_conventions import TIME, role_of, stand_in
+from driftproof.blackbox.stepper.forms_by_values import further_numbers
 from driftproof.blackbox.stepper.records import goes_on
 
 Object: TypeAlias = Any
@@ -116,9 +117,13 @@ class ObjectStep:
     function: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        """Have the name of what is made, which reports show, and arguments with names."""
+        """Have the name of what is made, which reports show, and arguments with names. Raises TypeError."""
+        for place in self.places:
+            if not isinstance(place, str) and not (len(place) == 2 and all(map(callable, place))):
+                raise TypeError(f"{place!r} is no place: give the name of an attribute, or two functions (get, put)")
         self.takes_function = _takes_function(self.make)
         pushed = self.names == "q v h" and (self.takes_function or self.push)
+        self.parted = len(self.places) == 2
         stand_in(self, self.make, f"{'force ' if pushed else ''}{self.names}".split())
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
@@ -129,17 +134,20 @@ class ObjectStep:
     def moved(self, q: float, v: float, h: float, force: Callable[[float], float] | None = None) -> tuple[float, float]:
         """Write position and velocity into their places, advance the object, and read them."""
         ends = self._moved(force and partial(_by_first, force), self._filled(q, v), h)
-        q1, v1 = (end[0] for end in ends) if len(ends) == 2 else ends[0][:2]
+        q1, v1 = (end[0] for end in ends[:2]) if ends[1:] else ends[0][:2]
         return q1, v1
 
     def of_all(self, y: Sequence[float], h: float) -> list[float]:
-        """The step of a built-in system with all numbers of its object, those of the velocity last."""
-        cut = len(self.begun[0])
-        return list(chain(*self._moved(None, [[*part] for part in (y[:cut], y[cut:])[: len(self.places)]], h)))
+        """The step of a built-in system with all numbers of its object, in the order in which it `begun`."""
+        numbers = iter(y)
+        return list(chain(*self._moved(None, [[*islice(numbers, len(part))] for part in self.begun], h)))
 
     @cached_property
     def begun(self) -> list[list[float]]:
-        """All numbers in each place of a new object whose system is built in; of another, as many as are set."""
+        """All numbers in each place of a new object whose system is built in; of another, as many as are set.
+
+        Further numbers that its step moves have their places after these, unless they move q and v.
+        """
         found = [[0.0] * (3 - len(self.places)) for _ in self.places]
         if not self.takes_function and self.push is None:
             made = self._new()
@@ -147,12 +155,49 @@ class ObjectStep:
                 with suppress(Exception):  # functions, and what is not there before a step is made
                     seen = as_array(attrgetter(place)(made))  # type: ignore[arg-type]
                     numbers[:] = floats_in(seen, max(seen.size, len(numbers)))
+            beside = self._beside(made, found)
+            self.places, found = [*self.places, *beside], [*found, *beside.values()]
         return found
 
-    def _filled(self, q: float, v: float) -> list[list[float]]:
+    def _beside(self, made: Object, begun: list[list[float]]) -> dict[str, list[float]]:
+        """The further numbers of a new object that its step moves, and that do not move q and v, by name."""
+
+        def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Any]:
+            body = self._new()
+            for name, x in given.items():
+                setattr(body, name, x)
+            self._step(body, self._filled(q, v, begun), [_TRIED])
+            moved = [_Accessor.of(x, len(part)).read(body) for x, part in zip(self.places, begun, strict=True)]
+            return {"": moved, **{name: x for name, x in vars(body).items() if name not in self.places}}
+
+        found = dict[str, list[float]]()
+        for name in further_numbers(ends, getattr(made, "__dict__", {})):
+            here, there = (ends(1.0, 0.5, {name: x})[""] for x in (0.5, 1.0))
+            if here == there:
+                found[name] = [float(getattr(made, name, 0.0))]
+        return found
+
+    @cached_property
+    def reset(self) -> str:
+        """What is not seen of it if each step sets a clock of its own to one time, as `advance` may; "" if not."""
+        made, seen = self._new(), list[dict[str, Any]]()
+        with suppress(Exception):
+            for h in (_TRIED, 2 * _TRIED):
+                self._step(made, self._filled(1.0, 0.5), [h])
+                seen.append({name: x for name, x in vars(made).items() if role_of(name, (TIME,))})
+            name = next(name for name, t in seen[0].items() if np.isclose(seen[1][name] - t, _TRIED))
+            hidden = f"its steps all begin at one {name} of its own, on which its system may depend"
+            return f"{hidden}; write a step that takes it"
+        return ""
+
+    def _filled(self, q: float, v: float, begun: Sequence[Sequence[float]] = ()) -> list[list[float]]:
         """The numbers of each place at this position and velocity, with the others of a new object."""
-        given = [[q], [v]] if len(self.places) == 2 else [[q, v]]
-        return [[*part, *begun[len(part) :]] for part, begun in zip(given, self.begun, strict=True)]
+        numbers = [[*part] for part in begun or self.begun]
+        if self.parted:
+            numbers[0][0], numbers[1][0] = q, v
+        else:
+            numbers[0][:2] = q, v
+        return numbers
 
     def _moved(self, function: Callable[..., Any] | None, parts: list[list[float]], h: float) -> list[list[float]]:
         """The numbers of each place after a step; an object that leaves one that is not finite is dropped."""

@@ -27,7 +27,6 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper, positions_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import scope_of
 from driftproof.blackbox.stepper.named_forms import named_forms
@@ -78,7 +77,7 @@ def opened(
         for attempt in attempts:
             try:
                 return attempt()
-            except findings.OwnClock:
+            except (findings.OwnClock, findings.ArgumentsExchanged):
                 raise
             except findings.Misbehaviour as failure:
                 failures.append(failure)
@@ -135,13 +134,11 @@ def opened(
         systems = first_of([partial(tried, made(systems.convention, SYSTEMS[1]), one_step)]) or systems
     if found := systems if systems and not _stands_still(systems) else found:
         return found
-    line = _tried_out(wrappers.wrapper_line(step, keeps), step) if inspect.isclass(step) else list_wrapper(given)
-    if any(failure.kind == "positions_alone" for failure in failures):
-        line = positions_wrapper(given)
+    line = _tried_out(wrappers.wrapper_line(step, keeps), step) if inspect.isclass(step) else ""
     if inspect.isclass(step) and isinstance(failures[0], findings.NotANumber):  # its call makes an object
         line = line or wrappers.template(given)
     if line:
-        raise findings.BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
+        raise findings.BadInput(f"{_unfitting(given)}{line}")
     if not any(isinstance(failure, findings.StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     why = next((failure for failure in failures if isinstance(failure, findings.StaleSlope)), failures[0])

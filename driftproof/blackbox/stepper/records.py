@@ -17,6 +17,7 @@ import numpy as np
 from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
+from driftproof.blackbox.stepper.forms_by_values import further_numbers
 from driftproof.blackbox.stepper.wrapper_parts import is_before
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
@@ -29,6 +30,19 @@ def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record
     """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
     found = fields_of(step, call)
     return _record(*found) if found else None
+
+
+def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
+    """The fields of a record that a step of its built-in system moves besides its position and velocity."""
+
+    def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Foreign]:
+        state = record.filled(q, v, **unread, **given)
+        found = step(state)
+        known = {record.position, record.velocity, *record.slopes}
+        return {name: x for name, x in parts_of(state if found is None else found).items() if name not in known}
+
+    unread = {name: 0.0 for name, needed in record.slopes.items() if needed}
+    return further_numbers(ends, dict(parts_of(record.filled(1.0, 0.75, **unread))))
 
 
 def fields_of(
@@ -265,12 +279,15 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         return step(**{name: given[role] for role, name in roles.items()})
 
     if calling.FUNCTION not in roles:
-        if (record := record_of(step, partial(called, None))) is not None:
+        alone = partial(called, None)
+        record = record_of(step, alone)
+        further = further_fields(record, alone) if record is not None else []
+        if record is not None and not further:
             if not record.slopes:  # a slope that is handed on has no function to be asked for
-                free = _form(called, record, False, "", False)
-                yield lambda q, v, h: free(None, q, v, h)
-        elif found := fields_of(step, partial(called, None)):
-            yield from _of_numbers(partial(called, None), *found)
+                yield _with_parameters(called, record)
+        elif found := fields_of(step, alone):
+            name, make, _, needed = found
+            yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])))
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
@@ -283,8 +300,19 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         yield _form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, pushed, False)
 
 
+def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
+    """The step(q, v, h) of a record with its system built in, and what makes it of other parameters."""
+    free = _form(step, record, False, "", False)
+    form: Any = lambda q, v, h: free(None, q, v, h)
+    form.others = {name: x for name, x in record.known.items() if name in record.given}
+    form.of_others = lambda others: _with_parameters(
+        step, dataclasses.replace(record, known={**record.known, **others})
+    )
+    return form
+
+
 def _of_numbers(
-    step: Callable[..., Foreign], name: str, make: Any, names: Sequence[str], needed: Sequence[str]
+    step: Callable[..., Foreign], name: str, make: Any, needed: Sequence[str]
 ) -> Iterator[Callable[..., Any]]:
     """Yield the step(y, h) of a record of several numbers, in the order in which it returns them."""
     if len(needed) <= 2 or any(map(is_before, needed)):

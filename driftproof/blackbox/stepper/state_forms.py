@@ -13,14 +13,15 @@ import numpy as np
 from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in, one_number
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention
-from driftproof.blackbox.stepper.records import adapter_of, record_of
+from driftproof.blackbox.stepper.records import adapter_of, further_fields, record_of
 
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
-        record = record_of(step, lambda state: step(state, 0.25))
-        if record is not None and not any(record.slopes.values()):
+        alone = lambda state: step(state, 0.25)
+        record = record_of(step, alone)
+        if record is not None and not any(record.slopes.values()) and not further_fields(record, alone):
             yield adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:

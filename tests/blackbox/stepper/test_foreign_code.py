@@ -18,6 +18,7 @@ from driftproof.blackbox.findings import (
     WrongShape,
 )
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.verify import verify
 from tests.blackbox.stepper import euler_steps
 from tests.looping import exactly
 
@@ -260,3 +261,12 @@ def test_a_right_hand_side_that_gets_too_few_numbers_and_no_time_is_asked_in_a_w
     subject.function = lambda f, y, t, h: y + h * f(y[:1])
     with pytest.raises(WrongShape):
         subject.step_field(lambda t, y: y, 0.0, [1.0, 2.0], 0.5)
+
+
+def test_one_call_with_its_arguments_exchanged_is_named_and_is_no_step_of_one_number():
+    def midpoint(f, y, t, h):
+        return y + h * f(t + h / 2, y + h / 2 * f(y, t))
+
+    found = verify(midpoint, "midpoint2", examples=20, isolate=False)
+    assert found.passed is False
+    assert found.verdict.endswith("of the calls in a step one is f(t, y), others are f(y, t)")

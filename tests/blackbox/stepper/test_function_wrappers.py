@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import BadInput
-from driftproof.blackbox.stepper.function_wrappers import list_wrapper
-from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from driftproof.blackbox.verify import verify
 from tests.blackbox.stepper.styles import is_read_as, namespace, pasted
@@ -19,12 +16,6 @@ def stormer_alone(acc, dt, x_prev, x):
 
 def bashforth(f, t, y, y_prev, h):
     return y + h / 2 * (3 * f(t, y) - f(t - h, y_prev))
-
-def positions(acc, x0, v0, dt, n):
-    found = [x0, x0 + dt * v0 + dt**2 / 2 * acc(x0)]
-    for _ in range(n - 1):
-        found.append(2 * found[-1] - found[-2] + dt**2 * acc(found[-1]))
-    return np.array(found)
 
 def from_zero(f, U_0, dt, T):
     u = np.zeros((round(T / dt) + 1, len(U_0)))
@@ -65,9 +56,6 @@ def to_an_end(dydx, x, y, x_end, h):
         x, y = x + h, y + h * dydx(x, y)
     return y
 
-def coupled_xy(f, g, t, x, y, h):
-    return x + h * f(t, x, y), y + h * g(t, x, y)
-
 def pendulum(theta0, omega0, dt, N):
     theta, omega = np.full(N + 1, theta0), np.full(N + 1, omega0)
     for i in range(N):
@@ -103,38 +91,11 @@ def march(f, t0, y0, t_end, h):
         t0, y0 = t0 + h, y0 + h * f(t0, y0)
         yield t0, y0
 
-def dydx(x, y):
-    return (x - y) / 2
-
-def of_module(x0, y0, x, h):
-    for i in range(round((x - x0) / h)):
-        y0 = y0 + h * dydx(x0 + i * h, y0)
-    return y0
-
-def getAcc(pos, mass, softening):
-    return -mass * pos / (pos**2 + softening**2) ** 1.5
-
-def kicked(pos, vel, mass, dt):
-    return vel + dt / 2 * getAcc(pos, mass, 0.1)
-
-def bodies(pos, vel, mass, dt, tEnd):
-    saved = np.zeros((round(tEnd / dt) + 1,) + pos.shape)
-    saved[0] = pos
-    for i in range(len(saved) - 1):
-        vel = kicked(pos, vel, mass, dt)
-        pos = pos + dt * vel
-        vel = kicked(pos, vel, mass, dt)
-        saved[i + 1] = pos
-    return saved, vel
-
 def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
     return y + h * vector_field(t, y, params)
 """
 RUN = "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append({}) for i in range(n)]; return ys[1:], "
 RUN += "[v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"
-COUPLED = "import numpy; return numpy.array({0}(lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[0], "
-COUPLED += "lambda *x: f(x[0], numpy.array([x[{1}], x[{2}]]))[1], {3}))"
-DIFFERENCES = "xs = {}(force, q, v, h, n); return xs, [v, *((b - a) / h for a, b in zip(xs, xs[1:]))]"
 FORCED, EULER, FORWARD = "force, q, v, h", "symplectic_euler", "forward_euler"
 PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
@@ -145,7 +106,6 @@ PASTED = {
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),
     "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
-    "coupled_xy": ("f, t, y, h", COUPLED.format("coupled_xy", 1, 2, "t, y[0], y[1], h"), FORWARD),
     "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
     "bashforth_from_zero": (
@@ -153,14 +113,6 @@ PASTED = {
     ),
     "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
     "march": ("f, t, y, h", "return [*march(f, t, y, t + h, h)][-1][1]", FORWARD),
-    "of_module": ("f, t, y, h", 'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)', "forward_euler"),
-    "bodies": (
-        "force, q, v, h",
-        'bodies.__globals__["getAcc"] = lambda q, *rest: force(q); run = bodies(q, v, 1.0, h, h); '
-        "return run[0][-1], run[1]",
-        "velocity_verlet",
-    ),
-    "positions": (f"{FORCED}, n", DIFFERENCES.format("positions"), "stormer2"),
     "bashforth": (
         *(
             "f, t, y, h, n",
@@ -189,34 +141,6 @@ def test_a_run_is_read_where_it_begins_and_nothing_is_said_of_one_that_does_not(
     assert "[-1]" not in wrapper_line(lambda f, y0, t0, dt: np.array([y0, y0]))
 
 
-LISTS = """
-def adams_bashforth2(f, t, states, h):
-    return states[-1] + h / 2 * (3 * f(t, states[-1]) - f(t - h, states[-2]))
-
-def adams_bashforth3(f, t, history, dt):
-    first, second, third = history[:3]
-    return first + dt / 12 * (23 * f(t, first) - 16 * f(t - dt, second) + 5 * f(t - 2 * dt, third))
-"""
-
-
-@pytest.mark.slow(keep=1)
-@pytest.mark.parametrize("name", ["adams_bashforth2", "adams_bashforth3"])
-def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_that_works(name):
-    names = namespace(LISTS)
-    pasted(names, name)
-    assert is_read_as(names["wrapped"], name)
-    back = lambda n: lambda f, t, ys, h: ys[-n] + n * h * f(t, ys[-1])
-    assert [bool(list_wrapper(back(n))) for n in (7, 8)] == [True, False]
-
-
-def test_positions_with_a_wrong_start_fail_in_the_run_that_is_shown_and_without_a_force_it_is_asked_for():
-    names = namespace(PLAIN.replace("dt**2 / 2 * acc(x0)", "0 * acc(x0)"))
-    exec(f"def wrapped({FORCED}, n): {DIFFERENCES.format('positions')}", names)
-    assert "its start is too inaccurate" in verify(names["wrapped"], "stormer2", isolate=False).verdict
-    with pytest.raises(BadInput, match=r"write: def step\(force, x0, v0, dt, n\): \.\.\."):
-        opened(lambda x0, v0, dt, n: names["positions"](np.negative, x0, v0, dt, n))
-
-
 def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_force_is_asked_for():
     line = wrapper_line(lambda x, x_old, dt: x_old)
     assert line.startswith(": def step(force, x, x_old, dt): ...  # a method of two steps is read if")
@@ -231,38 +155,6 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
     assert wrapper_line(max) == ""
     for step in (lambda q, h, mesh: None, lambda p, h, mesh: None, lambda y, h, mesh: None):
         assert "([q, v], h, MESH)" in wrapper_line(step)
-
-
-RESPA = """
-def respa(x, v, fast, slow, mass, dt, n_inner=4):
-    before = slow(x)
-    v = v + dt / 2 * before / mass
-    for _ in range(n_inner):
-        v = v + dt / n_inner / 2 * fast(x) / mass
-        x = x + dt / n_inner * v
-        v = v + dt / n_inner / 2 * fast(x) / mass
-    return x, v + dt / 2 * slow(x) / mass
-"""
-
-
-@pytest.mark.parametrize("stale", [False, True])
-def test_a_step_of_two_forces_is_given_the_one_that_it_calls_least_and_makes_one_inner_step(stale):
-    names = namespace(RESPA.replace("dt / 2 * slow(x)", "dt / 2 * before") if stale else RESPA)
-    assert pasted(names, "respa").endswith("return respa(q, v, lambda q, *rest: 0.0 * q, force, 1.0, h, 1)")
-    assert verify(names["wrapped"], "velocity_verlet", examples=50, isolate=False).passed is (not stale)
-
-
-def test_what_a_coupled_step_forgets_shows_in_the_wrapper_that_it_is_shown():
-    """At the second stage x is left at its start in f, and v in g: a method on q'' = F(q) alone."""
-    names = namespace("""
-def midpoint(f, g, t, x, v, h):
-    k, m = f(t, x, v), g(t, x, v)
-    return x + h * f(t + h / 2, x, v + h / 2 * m), v + h * g(t + h / 2, x + h / 2 * k, v)
-""")
-    exec(wrapper_line(names["midpoint"]).removeprefix(": "), names)
-    assert not verify(names["wrapped"], "midpoint2").passed
-    plain = wrapper_line(lambda f, g, x, v, h: (x + h * f(v), v + h * g(x)))
-    assert "numpy" not in plain, "f and g do not take both"
 
 
 def test_a_state_of_more_numbers_than_two_is_handed_on_as_it_is():

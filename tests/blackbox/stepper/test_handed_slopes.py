@@ -27,23 +27,6 @@ def corrected(f, t, y, h, f_prev):
     return y + h / 12 * (5 * f(t + h, predicted) + 8 * slope - f_prev)
 
 
-def appended(f, t, y, h, history):
-    slope = f(t, y)
-    moved = h * (1.5 * slope - 0.5 * history[-1] if history else slope)
-    history.append(slope)
-    return y + moved
-
-
-def history_returned(f, t, y, h, past):
-    slope = f(t, y)
-    return y + h * (1.5 * slope - 0.5 * past[0] if past else slope), [slope, *past]
-
-
-bashforth4 = lambda f, t, y, dt, history: (
-    y + dt / 24 * (55 * f(t, y) - 59 * history[-1] + 37 * history[-2] - 9 * history[-3])
-)
-
-
 def of_the_end(f, t, y, h, f_prev):
     after = y + h / 2 * (f_prev + f(t + h, y + h * f_prev))
     return after, f(t + h, after)
@@ -80,9 +63,8 @@ def test_a_step_is_named_by_what_it_makes_of_the_slopes(name, as_before):
 
 
 def test_a_right_one_passes_and_its_start_is_whose_calls_it():
-    report = verify(bashforth4, "adams_bashforth4", isolate=False)
-    across = "the first step after a change of h has order 1"
-    assert (report.passed, report.verdict) == (True, f"is adams_bashforth4 in steps of equal length; {across}")
+    report = verify(bashforth2, "adams_bashforth2", isolate=False)
+    assert report.passed is True
     assert "its start is left to the caller" in report.text(everything=True)
     assert verify(exchanged, "adams_bashforth2", isolate=False).passed is False
     assert verify(of_the_wrong_end, "adams_bashforth2", isolate=False).passed is False
@@ -131,16 +113,3 @@ def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
         return [y := step(y, t, lambda y, t: t * t, 1.0) for t in map(float, range(5))]
 
     assert walked(with_slopes_kept(turned)) == walked(with_slopes_kept(bashforth3))
-
-
-def test_a_history_that_is_too_short_for_good_is_no_start():
-    looking_back = lambda n: lambda f, t, y, h, history: y + h * history[-n]
-    later = lambda f, t, y, h, history: y + h * history[-2] if history else y
-    with pytest.raises(IndexError):
-        with_slopes_kept(looking_back(9))(lambda t, y: y, 0.0, 1.0, 0.5)
-    step = with_slopes_kept(looking_back(8))
-    assert [step(lambda t, y, n=n: n, 0.0, 1.0, 0.5) for n in range(10)] == [1.0] * 9 + [1.5]
-    step = with_slopes_kept(later)
-    assert step(lambda t, y: y, 0.0, 1.0, 0.5) == 1.0
-    with pytest.raises(IndexError):
-        step(lambda t, y: y, 0.0, 1.0, 0.5)

@@ -396,3 +396,19 @@ def test_an_object_that_also_moves_by_what_it_keeps_is_not_shown_so():
     made = namespace(CLASSES)["Remembered"]()
     assert attribute_of(made, "position") == "x"
     assert put_wrapper(type(made), made, "step") == ""
+
+
+def test_a_force_that_advances_an_integral_is_a_part_of_the_step_and_is_not_replaced():
+    class Loop:
+        def __init__(self):
+            self.x, self.v, self.kept = 1.0, 0.0, 0.0
+
+        def acc(self, x, dt):
+            self.kept += x * dt
+            return -4 * x - self.kept
+
+        def step(self, dt):
+            self.v += dt * self.acc(self.x, dt)
+            self.x += dt * self.v
+
+    assert "made.acc" not in wrapper_line(Loop)

@@ -87,25 +87,6 @@ def test_beside_a_jacobian_the_state_may_have_any_name(step):
     assert found.passed is (step is newton), found.text()
 
 
-def forward_backward(N, L, u, dt, share=1.0):
-    found = rest = u + dt * N(u)
-    for _ in range(60):
-        off = found - rest - dt * L(found)
-        slopes = [(L(found + x) - L(found)) / 1e-7 for x in 1e-7 * np.eye(len(u))]
-        found = found - np.linalg.solve(np.eye(len(u)) - dt * np.array(slopes).T, off)
-    return u + dt * (share * N(u) + L(found))
-
-
-def half_of_one_part(N, L, u, dt):
-    return forward_backward(N, L, u, dt, share=0.5)
-
-
-@pytest.mark.slow
-def test_of_two_right_hand_sides_that_which_is_solved_for_shows():
-    assert verify(forward_backward, "imex_euler", isolate=False).passed
-    assert "b_explicit[0]" in verify(half_of_one_part, "imex_euler", isolate=False).text(everything=True)
-
-
 def test_what_is_no_state_is_not_taken_for_one():
     assert [*named_forms(lambda f, y_old, y, h: y)] == [*named_forms(lambda f, t, c: c)] == [*named_forms(dict)] == []
     with pytest.raises(BadInput, match="does not fit any calling convention"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from math import nan
+from math import cos, nan
 from types import SimpleNamespace
 
 import numpy as np
@@ -246,3 +246,24 @@ def test_a_word_that_was_to_be_replaced_is_not_made_an_attribute():
     step = stepper_of(lambda: SimpleNamespace(x=1.0, v=0.5, move=lambda h: None), position="POSITION", advance="move")
     with pytest.raises(BadInput, match="has no attribute POSITION: write the name of its own"):
         opened(step)
+
+
+class Shaken:
+    def __init__(self):
+        self.x = self.v = self.t = 0.0
+
+    def step(self, h):
+        pull = lambda t, x: cos(t) - x
+        self.v, before = self.v + h * pull(self.t + h / 2, self.x + h / 2 * self.v), self.v
+        self.x, self.t = self.x + h * (before + h / 2 * pull(self.t, self.x)), self.t + h
+
+
+def test_a_clock_that_each_step_sets_leaves_open_what_it_drives_and_a_place_is_a_name_or_two_functions():
+    step = stepper_of(
+        Shaken, position="x", velocity="v", advance=lambda made, h: (setattr(made, "t", 0.0), made.step(h))
+    )
+    found = verify(step, "midpoint2", examples=20, isolate=False)
+    assert found.passed is None
+    assert "begin at one t of its own" in found.verdict
+    with pytest.raises(TypeError, match="give the name of an attribute, or two functions"):
+        stepper_of(Shaken, state=["x", "v", "t"])
