@@ -18,13 +18,13 @@ from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
-TRAJECTORY = "trajectory"
 # The readouts that can be certified to any number of digits; then all readouts.
 CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
-READOUTS = (*CERTIFIABLE, "steps", "evaluations", TRAJECTORY)
+READOUTS = (*CERTIFIABLE, "steps", "evaluations", *ON_THE_WAY)
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
 # Panels about all methods of a scene: error against evaluations, and what is proved about their powers at this h.
@@ -95,7 +95,7 @@ class Scene:
             raise SceneError(f"scene {self.name!r}: the problem fixes the start; remove `start`")
         if self.certified:
             raise SceneError(f"scene {self.name!r}: a problem has no certified readouts; use `driftproof certify`")
-        energies = () if problem.energy else ("energy", "energy_change")
+        energies = () if problem.energy else ("energy", "energy_change", LARGEST_CHANGE)
         there_are = [name for name in READOUTS if name not in ("phase_error", *energies)]
         for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
             if absent := [name for name in names if name not in allowed]:
@@ -131,7 +131,7 @@ def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str
 
 def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
     methods, shown = ("forward_euler", "symplectic_euler", "rk4"), (TABLE, *FIGURES, *panels)
-    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[:-1], panels=shown)
+    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[: -len(ON_THE_WAY)], panels=shown)
 
 
 PRESETS: dict[str, Scene] = {

@@ -10,6 +10,7 @@ from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TABLE, Scene
@@ -124,6 +125,7 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
     "state_error": ("State error", _fixed(6)),
     "energy": ("Final energy", _fixed(6)),
     "energy_change": ("Energy change", _fixed(6)),
+    LARGEST_CHANGE: ("Largest energy change", _fixed(6)),
     "phase_error": ("Wrapped phase error (degrees)", _fixed(3)),
     "steps": ("Steps", str),
     "evaluations": ("Acceleration evaluations", str),
@@ -136,7 +138,7 @@ _components = _pair(lambda x: with_digits(x, _DIGITS))
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
-    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change")},
+    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change", LARGEST_CHANGE)},
     "evaluations": ("Evaluations of f", str),
 }
 

@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from driftproof.numeric.readouts import TRAJECTORY
 from driftproof.numeric.run import Counter, Readouts
-from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
+from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, WORK_PRECISION, Scene
 from driftproof.reports import scene_view
 from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
