@@ -68,12 +68,12 @@ BUDGETS = {
     "support": 1273,
     "methods": 5521,
     "symbolic": 10762,
-    "numeric": 4464,
+    "numeric": 4546,
     "blackbox": 22687,
-    "enclosure": 5691,
+    "enclosure": 5741,
     "texts": 10675,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6196
+BUDGET_OF_REPORTS_AND_FRONT = 6118
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 

@@ -6,16 +6,13 @@ from argparse import Namespace
 from pathlib import Path
 
 from driftproof.commands import arguments as cli
-from driftproof.support.plain_text import DIGITS_UNASKED
 
 MOST_WORKERS = 1024
-CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=DIGITS_UNASKED)
 
 
 @cli.command(
     cli.option("name", "a preset, or a .toml file of your own; without it, the presets are listed", nargs="?"),
     cli.methods_option("methods instead of the scene's: the first is shown, all are compared"),
-    CERTIFIED_DIGITS,
     cli.option("--figures", "also draw the scene's figures into this folder, as SVG", type=Path, metavar="FOLDER"),
     cli.TEXT_OR_JSON,
 )
@@ -30,7 +27,7 @@ def scene_command(options: Namespace) -> str:
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
 
-    Instead of start and certified, a scene may have problem = "kepler" or another problem that `driftproof stability`
+    Instead of start, a scene may have problem = "kepler" or another problem that `driftproof stability`
     lists, or a .toml file of your own (`driftproof stability --help` shows one); its only panel is then the table.
 
     mine.toml:
@@ -39,7 +36,6 @@ def scene_command(options: Namespace) -> str:
       t = 10
       start = [1, 0]
       readouts = ["state_error", "evaluations"]
-      certified = ["phase_error"]       computed exactly, to as many digits as --digits asks for
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
@@ -56,14 +52,11 @@ def scene_command(options: Namespace) -> str:
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
     cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64 for 1/4, 1/8, ..., 1/64"),
     cli.output_option("write each answer here as a line of JSON; an interrupted sweep is resumed from this file"),
-    cli.one_of(
-        cli.option(
-            "--workers",
-            "number of processes (default: one for each processor)",
-            type=cli.integer_in(1, MOST_WORKERS, "processes"),
-            metavar="N",
-        ),
-        cli.option("--cluster", "address of the scheduler of a dask cluster", metavar="ADDRESS"),
+    cli.option(
+        "--workers",
+        "number of processes (default: one for each processor)",
+        type=cli.integer_in(1, MOST_WORKERS, "processes"),
+        metavar="N",
     ),
     cli.TEXT_OR_JSON,
 )
@@ -77,8 +70,7 @@ def sweep_command(options: Namespace) -> str:
       driftproof sweep pendulum --methods rk4,velocity_verlet --h 1/10:1/80      its errors at its end
 
     The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
-    overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers, nor on
-    --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
+    overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers.
     """
     return cli.answer_of("sweep", options)
 
@@ -86,7 +78,6 @@ def sweep_command(options: Namespace) -> str:
 @cli.command(
     cli.option("scenes", "presets, problems, .toml files, or stiff (default: all presets)", nargs="*", metavar="SCENE"),
     cli.output_option("the HTML file to write", required=True),
-    CERTIFIED_DIGITS,
     cli.methods_option("for problems: keys or .toml files (default: those of `driftproof stability`)"),
 )
 def report_command(options: Namespace) -> str:
@@ -106,5 +97,5 @@ def report_command(options: Namespace) -> str:
     """
     import driftproof
 
-    about = {name: getattr(options, name) for name in ("output", "digits", "methods")}
+    about = {name: getattr(options, name) for name in ("output", "methods")}
     return str(driftproof.report(*options.scenes, **about))

@@ -24,9 +24,9 @@ from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
     NO_SLOPE,
     SHORTEST_PART,
+    DensePiece,
     EnclosedStep,
     Expansion,
-    Piece,
     Weights,
     balanced,
     decisions,
@@ -87,7 +87,7 @@ def enclose_solution(
     start: Sequence[Fraction | arb],
     times: Sequence[Fraction],
     bits: int = BITS_AT_FIRST,
-    pieces: list[Piece] | None = None,
+    pieces: list[DensePiece] | None = None,
 ) -> Enclosure:
     """Enclose the solution of y' = f(t, y) with y(times[0]) = start at all `times`, which must increase.
 
@@ -143,7 +143,7 @@ class _Path:
         self.weights: Weights | None = None
         self.coupled = 0.0
         self.lengths, self.longest, self.changes = list[Fraction](), LONGEST_STEP, list[Fraction]()
-        self.pieces: list[Piece] | None = None  # a list that gets one for each step but those over a kink
+        self.pieces: list[DensePiece] | None = None  # a list that gets one for each step but those over a kink
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         if t == self.first:
@@ -153,7 +153,7 @@ class _Path:
         while self.step is None or t > self.step.t + self.step.h:
             self._advance()
             if self.pieces is not None and isinstance(self.step, EnclosedStep):
-                self.pieces.append(Piece(self.step.t, self.step.h, 0, self.step.polynomials))
+                self.pieces.append(DensePiece(self.step.t, self.step.h, 0, self.step.polynomials))
         return self.step.state_at(t)
 
     def _advance(self) -> None:

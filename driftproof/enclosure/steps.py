@@ -100,7 +100,7 @@ class EnclosedStep:
         return [arb(0, (distance * d).upper()) for d in self.weights]
 
 
-class Piece(NamedTuple):
+class DensePiece(NamedTuple):
     """The polynomials of a step on [t, t + h] in σ, which is `low` at its begin and 1 at its end.
 
     They are as near to the solution as its balls are small.

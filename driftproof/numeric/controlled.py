@@ -82,9 +82,10 @@ class ControlledRun:
         self.loop(state, end, StepControl(given, self.table, self.work(len(state)), report, self.rows, apart))
         self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
         if report[step_control.STATE] != step_control.DONE:
-            short = report[step_control.STATE] == step_control.TOO_SHORT
-            why = "no step size meets the tolerance" if short else f"given up after {given.most:.2g} evaluations"
-            raise ArithmeticError(f"{self.method.key}: {why} from t = {report[step_control.TIME]:g}")
+            if report[step_control.STATE] == step_control.GIVEN_UP:
+                raise ArithmeticError(f"{self.method.key}: given up after {given.most:.2g} evaluations")
+            at = f"from t = {report[step_control.TIME]:g}"
+            raise ArithmeticError(f"{self.method.key}: no step size meets the tolerance {at}")
         return tuple(map(float, state[: len(y)]))
 
 

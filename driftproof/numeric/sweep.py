@@ -209,7 +209,7 @@ def run_points(scene: Scene, points: Sequence[Values]) -> tuple[list[Found], flo
 
 def _run_point(scene: Scene, values: Values) -> Found:
     try:
-        at = replace(scene, **values, methods=(), certified=(), panels=())
+        at = replace(scene, **values, methods=(), panels=())
         return run_scene(at, at.selected)
     except (ValueError, ArithmeticError) as stopped:
         return str(stopped)

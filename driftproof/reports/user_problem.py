@@ -19,7 +19,7 @@ from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.steps import Piece
+from driftproof.enclosure.steps import DensePiece
 from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
@@ -128,7 +128,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
     f, bits, refusal = field_function(field), BITS_AT_FIRST, None
     for _ in range(_MOST_ATTEMPTS):
         try:
-            pieces = list[Piece]()
+            pieces = list[DensePiece]()
             found = enclose_solution(f, list(start), sorted({Fraction(0), *times}), bits, pieces)
             true = dict(zip(found.times, found.states, strict=True))
             with ctx.workprec(bits):
@@ -145,7 +145,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
     raise refusal or Refused(f"the solution cannot be enclosed to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
 
 
-def dense_of(pieces: Sequence[Piece]) -> DenseSolution:
+def dense_of(pieces: Sequence[DensePiece]) -> DenseSolution:
     """The solution in doubles from the pieces of its enclosure."""
     most = max(len(p) for piece in pieces for p in piece.polynomials)
     rows = [[[*map(float, p), *[0.0] * (most - len(p))] for p in piece.polynomials] for piece in pieces]

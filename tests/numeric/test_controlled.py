@@ -97,7 +97,7 @@ def test_a_solution_that_ends_is_refused_near_its_end_and_a_long_run_after_its_c
         run = controlled_runner(METHODS[key], VectorField(("y0 * y0",)))
         with pytest.raises(ArithmeticError, match=rf"{key}: no step size meets the tolerance from t = (0\.9|1)"):
             run((1.0,), 2.0, 1e-2, 0.0)
-        with pytest.raises(ArithmeticError, match=rf"{key}: given up after 20 evaluations from t = 0\.\d+$"):
+        with pytest.raises(ArithmeticError, match=rf"{key}: given up after 20 evaluations$"):
             run((1.0,), 2.0, 1e-6, 0.0, 20)
 
 
@@ -157,7 +157,7 @@ def test_compiled_runs_have_the_same_bits_and_take_the_same_steps(key):
             float_start(problem), 2.0, tolerance, tolerance
         )
         assert (plain.steps, plain.rejected, plain.calls) == (compiled.steps, compiled.rejected, compiled.calls)
-    ways = [run.way(float_start(problem), 2.0, 1e-4, 1e-4, 10) for run in (plain, compiled)]
+    ways = [run.way(float_start(problem), 2.0, 1e-7, 1e-7, 10) for run in (plain, compiled)]
     assert [[*map(float, row)] for row in ways[1]] == ways[0]
     assert plain.steps > 20
 

@@ -70,7 +70,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
 
 def _scene(scene: Scene) -> str:
     """The readouts of a scene on a problem, or why its run has none, and its table of methods."""
-    shown, at = show_scene(scene, 0), f"h = {scene.h}, t = {scene.t}"
+    shown, at = show_scene(scene), f"h = {scene.h}, t = {scene.t}"
     if isinstance(readouts := shown.get("readouts", {}), str):
         said = element("p", escaped(readouts))
     else:
