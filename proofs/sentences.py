@@ -2,18 +2,24 @@
 
 A proof cannot tell that its sentence has been rewritten. `proofs/lesson/sentences.txt` holds what was read, without the
 sentences themselves; a line that is another one now is named with its statements. After reading them against the
-ledger, `python -m proofs.sentences` writes the file anew, from the text and the list of claims beside this checkout.
+ledger, `python -m proofs.sentences` writes the file anew, from the text and the list of claims beside this checkout. A
+line whose words are as before keeps its statements; the others stand where their words do, the `quote` of the list. If
+these stand nowhere any more, the statement is named and nothing is written.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import re
+import sys
+from bisect import bisect
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import SequenceMatcher
 from functools import cache
 from hashlib import sha256
+from itertools import accumulate
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 BESIDE = Path(__file__).parents[2] / "shared" / "lesson"
 LESSON, INVENTORY = BESIDE / "lesson.txt", BESIDE / "claims.json"
@@ -34,11 +40,16 @@ class Line(NamedTuple):
         return " ".join((str(self.number), self.digest, *self.claims))
 
 
+def words_of(text: str) -> dict[int, str]:
+    """The words of each line of a text that has any, by its number, with one space between two words."""
+    words = ((number, " ".join(line.split())) for number, line in enumerate(text.splitlines(), 1))
+    return {number: line for number, line in words if line}
+
+
 def lines_of(text: str, claims: Mapping[int, list[str]]) -> list[Line]:
     """The lines of a text that have words, however these are spaced; `claims` are the statements by line."""
-    words = ((number, " ".join(line.split())) for number, line in enumerate(text.splitlines(), 1))
     digest = lambda line: sha256(line.encode()).hexdigest()[:DIGITS]
-    return [Line(number, digest(line), tuple(claims.get(number, ()))) for number, line in words if line]
+    return [Line(number, digest(line), tuple(claims.get(number, ()))) for number, line in words_of(text).items()]
 
 
 @cache
@@ -53,31 +64,95 @@ def line_of_claim(claim: str) -> int | None:
     return next((line.number for line in lines_read() if claim in line.claims), None)
 
 
+Place = tuple[str, list[Line], list[Line]]
+
+
+def _places(text: str) -> Iterator[Place]:
+    """What became of the lines that were read: for each place its kind, in the words of `difflib`, before and after.
+
+    Lines that were replaced by as many are a place each.
+    """
+    read, found = list(lines_read()), lines_of(text, {})
+    compared = SequenceMatcher(a=[line.digest for line in read], b=[line.digest for line in found], autojunk=False)
+    for kind, first, last, start, end in compared.get_opcodes():
+        before, after = read[first:last], found[start:end]
+        if len(before) == len(after):
+            yield from ((kind, [old], [new]) for old, new in zip(before, after, strict=True))
+        else:
+            yield kind, before, after
+
+
 def changes(text: str) -> list[str]:
     """What differs between a text and the lines that were read, a sentence for each place."""
-    read, found = lines_read(), lines_of(text, {})
-    compared = SequenceMatcher(a=[line.digest for line in read], b=[line.digest for line in found], autojunk=False)
-    told = []
-    for kind, first, last, start, end in compared.get_opcodes():
-        if kind != "equal":
-            ids = [claim for line in read[first:last] for claim in line.claims]
-            what = f"the words of {', '.join(dict.fromkeys(ids))}" if ids else "words without a statement"
-            where = f"line {found[start].number}" if start < end else f"after line {found[start - 1].number}"
-            told.append(f"{where}: {'new words' if kind == 'insert' else f'{what} are gone or changed'}")
-    return told
+    told, moved, last = [], "", 0
+    for kind, before, after in _places(text):
+        numbers = [line.number for line in after]
+        if kind == "equal":
+            if not moved and before[0].number != numbers[0]:
+                moved = f"line {numbers[0]}: its words are as before, but ledger.md has them in line {before[0].number}"
+        else:
+            ids = ", ".join(dict.fromkeys(claim for line in before for claim in line.claims))
+            what = f"the words of {ids}" if ids else "words without a statement"
+            where = f"lines {numbers[0]} to {numbers[-1]}" if numbers[1:] else f"line {(numbers or [last])[0]}"
+            gone = f"{where}: {what} are gone or changed" if numbers else f"after {where}: {what} are gone"
+            told.append(f"{where}: new words" if kind == "insert" else gone)
+        last = numbers[-1] if numbers else last
+    return told or [moved] * bool(moved)
 
 
-def main() -> None:
-    """Write the file from the lesson's text and its list of claims."""
-    claims: dict[int, list[str]] = {}
-    for entry in json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"]:
-        first, *last = [entry["line"]] if isinstance(entry["line"], int) else entry["line"]
-        for number in range(first, (last[0] if last else first) + 1):
+def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> dict[int, list[str]]:
+    """The statements of an inventory by the lines of the text in which they stand.
+
+    A statement that was read stands where its line does, or in what took the place of that, or else in a line that is
+    new; any other, anywhere. Its `line` says which, if its quote stands in several of these. Raises ValueError that
+    names all statements whose quote stands in none, or in several of which `line` is none.
+    """
+    its_own: dict[str, set[int]] = {}
+    others: set[int] = set()
+    for kind, before, after in _places(text):
+        numbers = {line.number for line in after}
+        others |= numbers if kind != "equal" else set()
+        for claim in (claim for line in before for claim in line.claims):
+            its_own.setdefault(claim, set()).update(numbers)
+    words, claims, lost = words_of(text), dict[int, list[str]](), []
+    for entry in inventory:
+        at = _where(" ".join(entry["quote"].split()), words)
+        own = its_own.get(entry["id"], set(words))
+        found = [each for each in at if own.issuperset(each)] or [each for each in at if others.issuperset(each)]
+        declared = entry["line"] if isinstance(entry["line"], int) else entry["line"][0]
+        found = [each for each in found if each[0] == declared] if len(found) > 1 else found
+        for number in found[0] if found else ():
             claims.setdefault(number, []).append(entry["id"])
-    read = lines_of(LESSON.read_text(encoding="utf-8"), claims)
+        if not found:
+            lost.append(f"{entry['id']}: {entry['quote']!r}")
+    if lost:
+        raise ValueError("\n".join(lost))
+    return claims
+
+
+def _where(quote: str, words: dict[int, str]) -> list[tuple[int, ...]]:
+    """The numbers of the lines of each place at which the quote stands, not as a part of a longer number."""
+    numbers, starts = list(words), list(accumulate((len(line) + 1 for line in words.values()), initial=0))
+    alone = rf"(?:(?!\d)|(?<!\d)(?<!\d\.)){re.escape(quote)}(?:(?<!\d)|(?!\d|\.\d))"
+    spans = (found.span() for found in re.finditer(alone, " ".join(words.values())))
+    lines = (numbers[bisect(starts, start) - 1 : bisect(starts, end - 1)] for start, end in spans)
+    return list(dict.fromkeys(map(tuple, lines)))
+
+
+def main() -> int:
+    """Write the file from the lesson's text and its list of claims, and tell what is taken as read by that."""
+    text = LESSON.read_text(encoding="utf-8")
+    try:
+        claims = placed(text, json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"])
+    except ValueError as error:
+        head = f"nothing written: {INVENTORY.name} quotes words that stand in no line of {LESSON.name} that is theirs;"
+        print(f"{head} bring quote and line up to date\n{error}", file=sys.stderr)
+        return 1
+    told, read = changes(text), lines_of(text, claims)
     FILE.write_text(HEAD + "".join(f"{line}\n" for line in read), encoding="utf-8")
-    print(f"wrote {FILE.name}: {len(read)} lines")
+    print("\n".join([f"wrote {FILE.name}: {len(read)} lines", *(f"now read: {each}" for each in told)]))
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -9,8 +9,10 @@ from functools import total_ordering
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce
 from driftproof.symbolic.algebra.certified import CertifiableReal, is_less, significant
 from driftproof.symbolic.derivation.one_step import (
     StepPolynomial,
@@ -73,6 +75,13 @@ def rates(key: str, h: Q, start: tuple[Q, Q] = START) -> list[tuple[Q, Q]]:
         q, v = (start[i] + h * sum(a * k[i] for a, k in zip(row, slopes, strict=False)) for i in (0, 1))
         slopes.append((v, -q))
     return slopes
+
+
+def calls_of_a_step(key: str) -> int:
+    """The number of calls of the force in one step in fractions; no step branches on a value, so all make as many."""
+    force = CountedForce(oscillator)
+    HAND_WRITTEN[key](force, *START, FIRST_H)
+    return force.calls
 
 
 def counted_evaluations(key: str, h: Q) -> int:

@@ -37,7 +37,7 @@ def rounding_error(key: str, h: float, q: float, v: float) -> tuple[Q, Q]:
 @example(h=TENTH, q=1.0, v=0.0)
 @example(h=TINY, q=TINY, v=-0.0)
 def test_modified_quadratic_kept_up_to_rounding(h: float, q: float, v: float) -> None:
-    """In floats the modified quadratic is kept up to rounding: its change stays within the bound derived for the step.
+    """In floats, h <= 2, the modified quadratic is kept up to rounding: its change is within the step's derived bound.
 
     With e the step's rounding error, I(z + e) - I(z) = 2 z·Se + e·Se, and |S| has the entries ½ and h/4.
     """

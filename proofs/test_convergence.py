@@ -12,18 +12,20 @@ from sympy import QQ, Rational
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
-from driftproof.numeric.steppers import HAND_WRITTEN, evaluations_per_step
+from driftproof.numeric.scenes import LARGEST_LESSON_H
+from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, significant
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
-from driftproof.symbolic.derivation.one_step import H, expression
-from driftproof.symbolic.derivation.stability import AtStep
+from driftproof.symbolic.derivation.one_step import H, expression, matrix
+from driftproof.symbolic.derivation.stability import discriminant
 from driftproof.symbolic.trees.order_conditions import elementary_weight, order
 from driftproof.symbolic.trees.rooted_trees import density, rooted_trees
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.derivations.convergence import FINAL_TIME, STEPS, closed_form, global_error_coefficient, local_error
-from proofs.derivations.signs import is_positive_between
+from proofs.derivations.signs import in_square_of_h, is_positive_between, rises_from_zero
 from proofs.setting import (
+    BOUNDARY_H,
     COMPARE_H,
     DEFAULT_H,
     END,
@@ -35,7 +37,7 @@ from proofs.setting import (
     SYMPLECTIC,
     M,
     Real,
-    counted_evaluations,
+    calls_of_a_step,
     energy,
     run,
     state_after,
@@ -70,17 +72,29 @@ def test_smaller_step_smaller_energy_error_only_of_small_h() -> None:
     at_two, at_larger = (energy(*state_after(EULER, n, END / n)) / energy(*START) for n in (5, 4))
     assert (at_two, at_larger) == (3125, Q(29, 4) ** 4)
     assert at_larger < at_two
+    assert (END / 5, END / 4) == (BOUNDARY_H, LARGEST_LESSON_H)
     assert sympy.limit(growth, h, 0) == 0  # so the error does vanish in the end
 
 
-@claim("L041", evidence=PROVED, by="two limits")
+@claim("L041", evidence=PROVED, by="limit, visible sign")
 def test_convergence_and_long_time_behaviour_are_different_limits() -> None:
-    """Forward Euler converges, E(T)/E₀ → 1 as h → 0 at fixed T; at fixed h it grows without bound as n → ∞."""
-    n = sympy.Symbol("n", positive=True)
+    """Forward Euler converges, E(T)/E₀ → 1 as h → 0 at fixed T; at fixed h it grows without bound as n → ∞.
+
+    At any fixed T > 0; and at any fixed h > 0 by Bernoulli's inequality, E_n/E₀ >= 1 + n h².
+    """
     multiplier = expression(energy_multiplier(M(EULER))).subs(expression(H), h)
     assert multiplier == 1 + h**2
-    assert sympy.limit(multiplier ** (END / h), h, 0) == 1
-    assert sympy.limit(multiplier.subs(h, Rational(1, 10)) ** n, n, sympy.oo) == sympy.oo
+    assert sympy.limit(multiplier ** (sympy.Symbol("T", positive=True) / h), h, 0) == 1
+    assert sympy.limit(multiplier ** (1 / h**2), h, 0) != 1
+    assert _excess_over_bernoulli(multiplier - 1) == _N * h**4
+
+
+_N = sympy.Symbol("n", positive=True)
+
+
+def _excess_over_bernoulli(x: sympy.Expr) -> sympy.Expr:
+    """(1 + nx)(1 + x) - (1 + (n+1)x): where it and x are not negative, (1 + x)ⁿ >= 1 + nx, by induction from n = 0."""
+    return sympy.expand((1 + _N * x) * (1 + x) - (1 + (_N + 1) * x))
 
 
 @claim("L064", evidence=RESTRICTED, by="order conditions, ratio")
@@ -88,12 +102,15 @@ def test_higher_order_wins_for_small_steps() -> None:
     """Higher order improves accuracy at small steps: RK4's error falls like h⁴, the Euler methods' like h.
 
     On any smooth problem RK4 meets all conditions up to order 4, and forward Euler misses one of order 2; here the
-    quotient of their leading errors at t = 10 is h³/60, which vanishes with h. Needed: a smooth problem on which the
-    lower order errs at all; with y' = 1 no consistent method errs, and there is nothing to improve.
+    quotient of their leading errors at t = 10 is h³/60, which vanishes with h, and symplectic Euler's is a positive
+    multiple of h. Needed: a smooth problem on which the lower order errs at all; with y' = 1 no consistent method errs,
+    and there is nothing to improve.
     """
     assert [order(METHODS[key]).order for key in (EULER, RK4)] == [1, 4]
     ratio = leading_state_error(RK4, sympy.Integer(10)) * h**4 / (leading_state_error(EULER, sympy.Integer(10)) * h)
     assert ratio == h**3 / 60
+    assert local_error(M(SYMPLECTIC)).linear_order == 1
+    assert certified_sign(certifiable(leading_state_error(SYMPLECTIC, sympy.Integer(10)))) > 0
     for key in (EULER, RK4):  # y' = 1: the step adds h Σ bᵢ, which is h
         assert sum(METHODS[key].b) == 1
 
@@ -111,6 +128,7 @@ def test_errors_fall_from_default_to_small_steps() -> None:
 def test_symplectic_compare_run_misses_the_endpoint() -> None:
     """At h = ½ the symplectic path misses the exact endpoint, by 0.250082..."""
     assert fixed(run(SYMPLECTIC, COMPARE_H).state_error, 6) == "0.250082"
+    assert Real(Q(250082, 10**6)) < Real(run(SYMPLECTIC, COMPARE_H).state_error)
     assert Real(Q(1, 4)) < Real(run(SYMPLECTIC, COMPARE_H).state_error)
 
 
@@ -130,8 +148,11 @@ def test_rk4_follows_more_closely_on_the_steps_on_offer() -> None:
     above h⁵/120, and from there by enclosures; at t = 10 it is nearer than both at every step on offer. Needed: a step
     not much larger; one step of h = 4 from (1, 0) is farther off with RK4 than with forward Euler.
     """
-    assert (evaluations_per_step(RK4), evaluations_per_step(EULER), evaluations_per_step(SYMPLECTIC)) == (4, 1, 1)
+    assert (calls_of_a_step(RK4), calls_of_a_step(EULER), calls_of_a_step(SYMPLECTIC)) == (4, 1, 1)
+    for key, real, imaginary in ((EULER, H**0, H), (RK4, 1 - H**2 / 2 + H**4 / 24, H - H**3 / 6)):
+        assert M(key) == matrix([[real, imaginary], [-imaginary, real]])  # so errors of any state are those of R(ih)
     # 1 - cos h >= h²/2 - h⁴/24 is the real part that Euler misses, and |R(ih) - e^{ih}| <= h⁵/120 what RK4 misses
+    assert rises_from_zero(1 - h**2 / 2 + h**4 / 24 - sympy.cos(h), h)
     assert is_positive_between(H**2 / 2 - H**4 / 24 - H**5 / 120, Q(0), Q(1))
     pieces = [(Q(i, 64), Q(i + 1, 64)) for i in range(64, 224)]
     assert (pieces[0][0], pieces[-1][1]) == (1, Q(7, 2))
@@ -214,8 +235,8 @@ def test_orders_are_for_smooth_problems_over_fixed_intervals() -> None:
     """For smooth problems over a fixed interval, but not without both, a one-step O(hᵖ⁺¹) becomes a global O(hᵖ).
 
     With eₙ₊₁ <= (1 + hL)eₙ + Chᵖ⁺¹ and e₀ = 0 induction gives eₙ <= Chᵖ((1 + hL)ⁿ - 1)/L <= Chᵖ(exp(LT) - 1)/L.
-    With a rate that jumps at t = 1/3, RK4's error at t = 1 is h/6 for h = 1/2, 1/4, ..., 1/256; and over an interval
-    that grows, forward Euler's energy exceeds every bound at any fixed h.
+    With a rate that jumps at t = 1/3, RK4's error at t = 1 is h/6 for h = 1/2, 1/4, 1/8, ...; and over an interval that
+    grows, forward Euler's energy exceeds every bound at any fixed h.
     """
     n, L, C, p = sympy.symbols("n L C p", positive=True)
     bound = lambda k: C * h**p * ((1 + h * L) ** k - 1) / L
@@ -225,15 +246,15 @@ def test_orders_are_for_smooth_problems_over_fixed_intervals() -> None:
     x = sympy.Symbol("x", positive=True)
     assert (sympy.exp(x) - 1 - x).subs(x, 0) == 0
     assert (sympy.exp(x) - 1 - x).diff(x) == sympy.exp(x) - 1
-    assert [_error_of_a_jump(k) / Q(1, 2**k) for k in range(1, 9)] == [Q(1, 6)] * 8
-    assert energy(*state_after(EULER, 1000, DEFAULT_H)) > 10**25
+    assert [_error_of_a_jump(Q(thirds, 3)) for thirds in (0, 1, 2)] == [0, Q(1, 6), -Q(1, 6)]
+    assert [2 * thirds % 3 for thirds in (1, 2)] == [2, 1]  # 1/3 is 2ᵏ/3 steps: a third into one, or two thirds
+    assert _excess_over_bernoulli(expression(energy_multiplier(M(EULER)) - 1)) == _N * expression(H) ** 4
 
 
-def _error_of_a_jump(k: int) -> Q:
-    """RK4's error |y(1) - 2/3| with 2ᵏ steps, for y' = 0 before t = 1/3 and y' = 1 from then on, y(0) = 0."""
-    rk4, size = METHODS[RK4], Q(1, 2**k)
-    asked = [(b, (i + c) * size) for i in range(2**k) for b, c in zip(rk4.b, rk4.c, strict=True)]
-    return abs(sum(b * size for b, t in asked if t >= Q(1, 3)) - Q(2, 3))
+def _error_of_a_jump(at: Q) -> Q:
+    """RK4's error, over h, in the step in which y' jumps from 0 to 1 `at` a part of it; the other steps are exact."""
+    rk4 = METHODS[RK4]
+    return Q(sum(b for b, c in zip(rk4.b, rk4.c, strict=True) if c >= at)) - (1 - at)
 
 
 @claim("L186", evidence=PROVED, by="one condition fails")
@@ -283,8 +304,8 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
     """A vanishing leading term, a coarse step and roundoff each change the ratio of errors under halving.
 
     At T = 4 the error of symplectic Euler's velocity from (1, 0), whose O(h) term is 0, falls by 4 rather than 2.
-    Forward Euler's error *grows* from h = 5/2 to 2. Halved from 1/64, RK4's step divides its exact error by 16, and the
-    error of the same runs in binary32 by less than 2.
+    Forward Euler's falls by less than 1.19 from h = 5/2, and from 5/2 to 2 it *grows*. Halved from 1/64, RK4's step
+    divides its exact error by 16, and the error of the same runs in binary32 by less than 2.
     """
     velocity_term = (global_error_coefficient(local_error(M(SYMPLECTIC))) * START_COLUMN)[1]
     assert velocity_term == 0
@@ -297,6 +318,7 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
         return Real(lambda: enclose(coarse) / enclose(fine))
 
     assert ratio(velocity_error(Q(1, 32)), velocity_error(Q(1, 64))) > Real(Q(39, 10))
+    assert ratio(*(run(EULER, step).state_error for step in (Q(5, 2), Q(5, 4)))) < Real(Q(119, 100))
     assert Real(run(EULER, Q(5, 2)).state_error) < Real(run(EULER, Q(2)).state_error)
     steps = Q(1, 64), Q(1, 128)
     assert ratio(*(run(RK4, step).state_error for step in steps)) > Real(Q(159, 10))
@@ -327,22 +349,25 @@ def test_one_coarse_comparison_shows_no_order() -> None:
 
 @claim("L008", evidence=RESTRICTED, by="three facts of h")
 def test_step_size_sets_convergence_work_and_stability() -> None:
-    """The step decides three things: the error Chᵖ, the T/h steps of work, and whether the run stays bounded.
+    """The step decides three things: the error Chᵖ at t = 10, the 10/h steps of work, and whether runs stay bounded.
 
-    Shown for the three methods: C is not 0 and p >= 1; T/h steps make T/h times as many evaluations as one; and
-    symplectic Euler and RK4 are bounded below 2 and 2 sqrt 2 and not beyond. Needed: a method with a limit; forward
-    Euler is bounded for no positive h, so there the step does not decide.
+    Shown for the three methods: C is not 0 and p >= 1; 10/h steps, of 1, 1 and 4 evaluations each; and symplectic Euler
+    and RK4 are bounded below 2 and 2 sqrt 2 and not beyond: below 2 the two roots of product 1 are conjugate, beyond
+    they are real and apart; RK4 multiplies the energy. Needed: a method with a limit; forward Euler is bounded for no
+    positive h, so there the step does not decide.
     """
     for key, step_calls in ((EULER, 1), (SYMPLECTIC, 1), (RK4, 4)):
         assert local_error(M(key)).linear_order >= 1
-        assert leading_state_error(key, sympy.Integer(10)) != 0
-        for step in (Q(1, 2), Q(1, 4)):
-            assert run(key, step).steps == END / step
-            assert counted_evaluations(key, step) == step_calls * END / step
-    for key, limit in ((SYMPLECTIC, Q(2)), (RK4, Q(2828, 1000))):
-        assert AtStep(M(key), sympy.Rational(limit - Q(1, 100))).bounded
-        assert not AtStep(M(key), sympy.Rational(limit + Q(1, 100))).bounded
-    assert not AtStep(M(EULER), sympy.Rational(Q(1, 10**6))).bounded
+        assert certified_sign(certifiable(leading_state_error(key, sympy.Integer(10)))) > 0
+        assert [run(key, END / n).steps for n in range(1, 41)] == [*range(1, 41)]
+        assert calls_of_a_step(key) == step_calls
+    roots_apart = discriminant(M(SYMPLECTIC))
+    grows = {key: in_square_of_h(energy_multiplier(M(key)) - 1) for key in (EULER, RK4)}
+    for bounded, unbounded, limit in (-roots_apart, roots_apart, Q(2)), (-grows[RK4], grows[RK4], Q(8)):
+        assert is_positive_between(bounded, Q(0), limit)
+        assert is_positive_between(unbounded, limit, None)
+    assert M(SYMPLECTIC).det() == 1
+    assert grows[EULER] == H
 
 
 @claim("L151", evidence=CERTIFIED, by="ball enclosure")

@@ -100,7 +100,7 @@ def test_evaluations_are_not_all_the_work() -> None:
 
 @claim("L094", evidence=RESTRICTED, by="exact quotient")
 def test_every_run_ends_at_ten_of_h_that_divides_it() -> None:
-    """Each run goes from (1, 0) to t = 10: N·h = 10 exactly, for every preset step.
+    """Each scene's run goes from (1, 0) to t = 10: N·h = 10 exactly, for every preset step.
 
     Needed: an h that divides 10; with h = 3 no number of steps ends there.
     """

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import sympy
 from sympy import QQ, Rational, cos, ring, sin, sqrt, symbols
 
@@ -11,7 +9,6 @@ from driftproof.methods.stepping import oscillator
 from driftproof.numeric.readouts import exact_state
 from driftproof.numeric.scenes import PRESETS
 from driftproof.symbolic.algebra.certified import certified_sign
-from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import matrix
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
 from proofs.derivations.physical import Spring
@@ -45,7 +42,7 @@ def test_rate_is_linear_with_rotation_generator() -> None:
 
 @claim("L016", evidence=PROVED, by="read off definition")
 def test_start_is_unit_position_at_rest() -> None:
-    """Every run of the lesson starts at position 1 with velocity 0."""
+    """The start is (1, 0), position 1 with velocity 0: there every scene begins."""
     assert START == (1, 0)
     assert {scene.start for scene in PRESETS.values()} == {START}
 
@@ -65,9 +62,15 @@ def test_second_order_equation_of_first_order_pair() -> None:
     assert [part.subs(v, q.diff(t)).doit() for part in (first, second)] == [0, equation]
 
 
-@claim("L018", evidence=PROVED, by="initial value checked")
+@claim("L018", evidence=PROVED, by="checked, and the only one")
 def test_solution_is_cosine_and_minus_sine() -> None:
-    """The solution that starts at (1, 0) is (cos t, -sin t): it starts there and obeys both equations."""
+    """The solution that starts at (1, 0) is (cos t, -sin t): it starts there and obeys both equations.
+
+    It is the only one: the difference (a, b) of two obeys them as well, so a² + b² stays what it is at the start, 0.
+    """
+    a, b = (sympy.Function(name)(t) for name in "ab")
+    da, db = rate(a, b)
+    assert sympy.expand((a**2 + b**2).diff(t).subs({a.diff(t): da, b.diff(t): db})) == 0
     assert (POSITION.subs(t, 0), VELOCITY.subs(t, 0)) == START
     assert (POSITION.diff(t), VELOCITY.diff(t)) == rate(POSITION, VELOCITY)
     assert (POSITION.diff(t), -VELOCITY.diff(t)) != rate(POSITION, -VELOCITY)
@@ -83,6 +86,7 @@ def test_derivatives_of_solution() -> None:
 @claim("L020", "L106", evidence=PROVED, by="angular velocity computed")
 def test_solution_runs_clockwise_on_unit_circle() -> None:
     """The exact path is the unit circle, run clockwise from (1, 0): radius 1, angular velocity -1."""
+    assert (POSITION.subs(t, 0), VELOCITY.subs(t, 0)) == (1, 0)
     assert sympy.trigsimp(POSITION**2 + VELOCITY**2) == 1
     counterclockwise = POSITION * VELOCITY.diff(t) - VELOCITY * POSITION.diff(t)
     assert sympy.trigsimp(counterclockwise) == -1
@@ -121,7 +125,7 @@ def test_undamped_energy_constant_and_forced_not() -> None:
 
 @claim("L014", evidence=CERTIFIED, by="disjoint enclosures")
 def test_every_method_misses_the_known_solution() -> None:
-    """The known solution shows what each method gets wrong: all three miss it at t = 10, by different distances."""
+    """The known solution shows what each method gets wrong: at h = ¼ all miss it at t = 10, by different distances."""
     errors = [run(key, PRESETS["default"].h).state_error for key in LESSON_METHODS]
     assert all(certified_sign(error) > 0 for error in errors)
     assert Real(errors[2]) < Real(errors[1])
@@ -139,18 +143,18 @@ def test_every_method_runs_the_same_problem() -> None:
         assert [entry.coeff(entry.ring.gens[0]) for entry in first_order.to_list_flat()] == [0, 1, -1, 0]
 
 
-@claim("L104", evidence=CERTIFIED, by="disjoint enclosures")
+@claim("L104", evidence=PROVED, by="sum of cosines, sign")
 def test_segment_between_exact_samples_misses_the_solution() -> None:
-    """A straight segment is no solution between samples: half-way between exact samples it falls short of the cosine.
+    """A straight segment is no solution between samples: half-way between exact ones it is cos(h/2) times the solution.
 
-    The chord's midpoint is cos(h/2) times the arc's, so it is too close to the centre for every 0 < h < π.
+    So it is too close to the centre for every 0 < h < 2π, since 1 - cos² = sin² > 0 there.
     """
-    h = symbols("h", positive=True)
-    midpoint = [sum(pair) / 2 for pair in zip((1, 0), (cos(h), -sin(h)), strict=True)]
-    arc = (cos(h / 2), -sin(h / 2))
-    for chord, exact in zip(midpoint, arc, strict=True):
-        assert sympy.simplify(chord - cos(h / 2) * exact) == 0
-    assert Real(certifiable(cos(Rational(1, 8)))) < Real(Fraction(1))
+    half = symbols("half", positive=True)  # of the step h
+    for component in (POSITION, VELOCITY):
+        chord, arc = (component + component.subs(t, t + 2 * half)) / 2, component.subs(t, t + half)
+        assert sympy.simplify(sympy.expand_trig(chord - cos(half) * arc)) == 0
+        assert sympy.simplify(sympy.expand_trig(chord - arc)) != 0
+    assert sympy.trigsimp(1 - cos(half) ** 2) == sin(half) ** 2
 
 
 @claim("L024", evidence=PROVED, by="change of variables")

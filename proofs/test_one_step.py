@@ -9,10 +9,12 @@ from sympy import QQ, ring
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric import readouts
+from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V, H, matrix, matrix_of, symbolic_step
 from driftproof.symbolic.trees.order_conditions import elementary_weight, order
 from driftproof.symbolic.trees.rooted_trees import density, rooted_trees
+from proofs import program
 from proofs.claims import COUNTED, PROVED, claim
 from proofs.setting import EULER, FIRST_H, LESSON_METHODS, RK4, START, SYMPLECTIC, M, state_after, step_of
 
@@ -28,11 +30,16 @@ def rk4_slopes() -> list[tuple[Any, Any]]:
     return [k1, k2, k3, k4]
 
 
+def written(key: str) -> list[tuple[Any, Any]]:
+    """(q₁, v₁) of one step in Q[q, v, h], by the method's table, by our stepper, and by the method of our program."""
+    name = dict(zip(LESSON_METHODS, program.METHODS, strict=True))[key]
+    return [step_of(key), symbolic_step(HAND_WRITTEN[key]), program.step(name, (q, v), h)]  # type: ignore[arg-type]
+
+
 @claim("L033", "L204", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_forward_euler_step_uses_old_state_twice() -> None:
-    """Forward Euler: q₁ = q + hv and v₁ = v - hq, both from the old state; the listing's line is the same."""
-    assert step_of(EULER) == (q + h * v, v - h * q)
-    assert symbolic_step(HAND_WRITTEN[EULER]) == (q + h * v, v - h * q)
+    """Forward Euler: q₁ = q + hv and v₁ = v - hq, both from the old state; our stepper and program do the same."""
+    assert written(EULER) == [(q + h * v, v - h * q)] * 3
     assert M(EULER) == matrix([[1, H], [-H, 1]])
 
 
@@ -63,7 +70,7 @@ def test_velocity_first_changes_the_growth_of_area() -> None:
     assert M(SYMPLECTIC).det() == 1
 
 
-@claim("L006", evidence=PROVED, by="determinants differ")
+@claim("L006", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_velocity_first_explains_the_difference() -> None:
     """Why velocity first matters: the two steps differ only by h times the velocity's change, in the position."""
     (euler_q, euler_v), (symplectic_q, symplectic_v) = step_of(EULER), step_of(SYMPLECTIC)
@@ -82,9 +89,8 @@ def test_symplectic_euler_position_uses_the_new_velocity() -> None:
 
 @claim("L043", "L205", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_symplectic_euler_step() -> None:
-    """v₁ = v - hq and q₁ = q + hv₁; the listing's lines are the same, and so is the matrix ((1-h², h), (-h, 1))."""
-    assert symbolic_step(HAND_WRITTEN[SYMPLECTIC]) == (q + h * (v - h * q), v - h * q)
-    assert step_of(SYMPLECTIC) == symbolic_step(HAND_WRITTEN[SYMPLECTIC])
+    """v₁ = v - hq and q₁ = q + hv₁, in our stepper and program, too; the matrix is ((1-h², h), (-h, 1))."""
+    assert written(SYMPLECTIC) == [(q + h * (v - h * q), v - h * q)] * 3
     assert M(SYMPLECTIC) == matrix([[1 - H**2, H], [-H, 1]])
 
 
@@ -118,7 +124,7 @@ def test_symplectic_euler_is_implicit_for_a_nonseparable_energy() -> None:
 
 @claim("L048", evidence=PROVED, by="series, first term")
 def test_symplectic_euler_has_order_one_and_not_two() -> None:
-    """Symplectic Euler is of first order: its step leaves the exact flow at h², by ((-½, 0), (0, ½))h²."""
+    """Symplectic Euler is of first order: on this oscillator its step leaves the flow at h², by ((-½, 0), (0, ½))h²."""
     from proofs.derivations.convergence import local_error
 
     error = local_error(M(SYMPLECTIC))
@@ -140,11 +146,10 @@ def test_rk4_has_four_stages_and_order_four_and_not_five() -> None:
 
 @claim("L059", "L207", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_rk4_step_is_the_weighted_sum_of_four_rates() -> None:
-    """RK4: z + h(k₁ + 2k₂ + 2k₃ + k₄)/6 with each k from the one before; the listing is the same polynomial."""
+    """RK4: z + h(k₁ + 2k₂ + 2k₃ + k₄)/6, each k from the one before; our stepper and program form this polynomial."""
     k1, k2, k3, k4 = rk4_slopes()
     weighted = tuple(z + h * (a + 2 * b + 2 * c + d) / 6 for z, a, b, c, d in zip((q, v), k1, k2, k3, k4, strict=True))
-    assert step_of(RK4) == weighted
-    assert symbolic_step(HAND_WRITTEN[RK4]) == weighted
+    assert written(RK4) == [weighted] * 3
     taylor = [[1 - H**2 / 2 + H**4 / 24, H - H**3 / 6], [-H + H**3 / 6, 1 - H**2 / 2 + H**4 / 24]]
     assert M(RK4) == matrix(taylor)
     assert M("rk38") == M(RK4)  # on this oscillator; as methods they differ:
@@ -183,14 +188,18 @@ def test_intermediate_states_are_not_the_result() -> None:
 
 @claim("L208", evidence=PROVED, by="identity over Q[h,q,v]")
 def test_energy_readout_is_half_the_squared_radius() -> None:
-    """The energy that is read out is ½(q² + v²)."""
-    assert readouts.energy((q, v)) == (q**2 + v**2) / 2
+    """The energy that our readout and our program form of exact numbers is ½(q² + v²).
+
+    Of floats the readout's is that up to rounding (T02).
+    """
+    assert readouts.energy((q, v)) == program.energy((q, v)) == (q**2 + v**2) / 2  # type: ignore[arg-type]
 
 
 @claim("L002", evidence=COUNTED, by="methods counted")
 def test_lesson_advances_exactly_three_methods() -> None:
-    """The oscillator is advanced by forward Euler, velocity-first symplectic Euler and classical RK4, and no other."""
+    """Every scene is advanced by forward Euler, velocity-first symplectic Euler and classical RK4, and no other."""
     assert LESSON_METHODS == ("forward_euler", "symplectic_euler", "rk4")
+    assert {scene.methods for scene in PRESETS.values()} == {LESSON_METHODS}
     assert set(HAND_WRITTEN) == set(LESSON_METHODS)
     assert len({tuple(M(key).to_list_flat()) for key in LESSON_METHODS}) == 3
 

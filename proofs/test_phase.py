@@ -3,51 +3,117 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import pytest
 import sympy
-from sympy import QQ, Rational, atan2, cos, pi, ring, sin
+from sympy import QQ, Rational, atan2, cos, field, pi, ring, sin
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce
+from driftproof.symbolic import runs
 from driftproof.symbolic.algebra.certified import certified_sign, fixed
 from driftproof.symbolic.derivation.expression_balls import certifiable
+from driftproof.symbolic.derivation.formulas import as_matrix
 from driftproof.symbolic.derivation.one_step import H
 from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from driftproof.symbolic.derivation.stability import AtStep
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
+from proofs.derivations.signs import rises_from_zero
 from proofs.setting import (
     DEFAULT_H,
     EULER,
+    FIRST_H,
     RK4,
     START,
     SYMPLECTIC,
     M,
     Real,
-    counted_evaluations,
+    calls_of_a_step,
     energy,
     run,
     state_after,
 )
 
-_, q, v, x, y = ring("q, v, x, y", QQ)
+# Two states (q, v) and (x, y), and for each a positive number that both of its components are divided by.
+_, q, v, x, y, here, there = field("q, v, x, y, here, there", QQ)
 QUARTER = ((Q(1), Q(0)), (Q(0), Q(-1)))
 
 
-@claim("L134", evidence=CERTIFIED, by="two formulas enclosed")
+class Traced:
+    """A rational function on which the readouts run without rounding; instead of a root its radicand is returned."""
+
+    def __init__(self, value: Any) -> None:
+        """Take an element of the field."""
+        self.value = value
+
+    def __add__(self, other: Traced) -> Traced:
+        """Add."""
+        return Traced(self.value + other.value)
+
+    def __sub__(self, other: Traced) -> Traced:
+        """Subtract."""
+        return Traced(self.value - other.value)
+
+    def __mul__(self, other: Traced) -> Traced:
+        """Multiply."""
+        return Traced(self.value * other.value)
+
+    def __truediv__(self, other: Traced) -> Traced:
+        """Divide."""
+        return Traced(self.value / other.value)
+
+    def __pow__(self, exponent: int) -> Traced:
+        """Raise to a power."""
+        return Traced(self.value**exponent)
+
+    def __abs__(self) -> Traced:
+        """The size of the component's state, as if it were the larger of the two."""
+        return Traced(here if self.value in (q, v) else there)
+
+    def __ge__(self, other: Traced) -> bool:
+        """The two sizes of a state are the same."""
+        return True
+
+    def sqrt(self) -> Any:
+        """The radicand."""
+        return self.value
+
+    def hypot(self, other: Traced) -> Any:
+        """The radicand of the length."""
+        return (self * self + other * other).value
+
+    def arctan2(self, other: Traced) -> SimpleNamespace:
+        """The sine and the cosine, up to a factor, of an angle that is neither converted nor 180 degrees."""
+        angle = SimpleNamespace(of=(self.value, other.value))
+        angle.degrees = lambda: angle
+        return angle
+
+
+STATES = ((Traced(q), Traced(v)), (Traced(x), Traced(y)))
+CROSS, DOT = q * y - v * x, q * x + v * y
+
+
+@claim("L134", evidence=PROVED, by="readouts run on symbols")
 def test_state_error_is_euclidean_distance() -> None:
-    """The state error is the Euclidean distance of two states: its square is (q - x)² + (v - y)²."""
+    """The state error is the Euclidean distance of two states: its square is (q - x)² + (v - y)².
+
+    So says the arithmetic of both readouts, of floats and of exact runs; T02 bounds the rounding.
+    """
+    for read in (readouts.state_error, runs.distance):
+        assert read(*STATES) == (q - x) ** 2 + (v - y) ** 2
     exact = run(EULER, DEFAULT_H)
     exact_q, exact_v = cos(10), -sin(10)
     assert exact.t == 10
     assert list(map(str, exact.exact_state)) == [str(exact_q), str(exact_v)]
     squared = (exact.final_state[0] - exact_q) ** 2 + (exact.final_state[1] - exact_v) ** 2
     assert fixed(exact.state_error, 30) == fixed(certifiable(sympy.sqrt(squared)), 30)
-    assert readouts.state_error((3.0, 0.0), (0.0, 4.0)) == 5
-    assert (q - x) ** 2 + (v - y) ** 2 != (q - x) ** 2 - (v - y) ** 2
+    assert readouts.state_error(STATES[0], STATES[0]) != (q - x) ** 2 + (v - y) ** 2
 
 
 @claim("L152", evidence=PROVED, by="E is half r²")
@@ -73,21 +139,17 @@ def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     assert sympy.simplify(q1 * q2 + v1 * v2 - r * rho * cos(alpha - beta)) == 0
 
 
-# States at the phase angles 0, 45, ..., 315 degrees: clockwise, as the motion runs.
-OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0))
-
-
 @claim("L153", evidence=PROVED, by="rotated state")
 def test_phase_error_is_the_angle_between_states() -> None:
     """Phase error is a wrong place on the cycle: turning a state by α changes its phase by α and not its energy."""
-    t, alpha = sympy.symbols("t alpha", real=True)
-    ahead = (cos(t + alpha), -sin(t + alpha))
+    t, alpha, r = *sympy.symbols("t alpha", real=True), sympy.Symbol("r", positive=True)
+    ahead = (r * cos(t + alpha), -r * sin(t + alpha))
     exact = (cos(t), -sin(t))
     cross = ahead[0] * exact[1] - ahead[1] * exact[0]
     dot = ahead[0] * exact[0] + ahead[1] * exact[1]
-    assert sympy.simplify(cross - sin(alpha)) == 0
-    assert sympy.simplify(dot - cos(alpha)) == 0
-    assert sympy.trigsimp(readouts.energy(ahead)) == Rational(1, 2)
+    assert sympy.simplify(cross - r * sin(alpha)) == 0
+    assert sympy.simplify(dot - r * cos(alpha)) == 0
+    assert sympy.trigsimp(readouts.energy(ahead)) == r**2 / 2
 
 
 @claim("L154", evidence=PROVED, by="antipodal states")
@@ -134,34 +196,39 @@ def test_phase_error_compares_final_angles() -> None:
     assert fixed(run(EULER, DEFAULT_H).phase_error, 25) != fixed(certifiable(-by_angles), 25)  # type: ignore[arg-type]
 
 
-@claim("L135", evidence=RESTRICTED, by="polar form, cases at ends")
-def test_phase_error_is_wrapped_to_half_open_turn() -> None:
+@claim("L135", evidence=RESTRICTED, by="readouts run on symbols")
+def test_phase_error_is_wrapped_to_half_open_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     """The phase error is the signed shortest angle, from -180° up to but not including 180°, positive ahead.
 
-    By the polar form it is an angle that differs from α - β by whole turns; its size is at most 180, so none of the
-    others is shorter; and a state ahead by 45° has +45°. Needed: states off the origin, where there is no angle, and a
-    choice between -180° and 180°, which are one angle.
+    Both readouts, of floats and of exact runs, take atan2 of cross and dot product, over a positive number; by the
+    polar form (L108) that is α - β up to whole turns, from -180° to 180°, and none that differs by whole turns is
+    shorter (L159). Needed: states off the origin, where there is no angle, and a choice between -180° and 180°, which
+    are one angle.
     """
-    for ahead, state in enumerate(OCTANTS):
-        for behind, exact in enumerate(OCTANTS):
-            found = readouts.phase_error(state, exact)
-            turns = (45 * (ahead - behind) - Q(found)) / 360
-            assert turns.denominator == 1
-            assert -180 <= found < 180
-            assert all(abs(found) <= abs(found + 360 * k) for k in (-2, -1, 1, 2))
-    assert readouts.phase_error(OCTANTS[1], OCTANTS[0]) == 45
+    (angle,) = readouts.phase_error(*(tuple(np.array([z], dtype=object) for z in state) for state in STATES))
+    assert tuple(part * here * there for part in angle.of) == (CROSS, DOT)
+    assert angle.of != (-CROSS / (here * there), DOT / (here * there))
+    monkeypatch.setattr(runs, "arb", SimpleNamespace(atan2=lambda sine, cosine: (sine, cosine)))
+    assert runs._angle_between((q, v), (x, y)) == (CROSS, DOT)
+    monkeypatch.undo()
+    assert readouts.phase_error((1.0, -1.0), (1.0, 0.0)) == 45
     for opposite in ((-1.0, 0.0), (-1.0, -0.0)):
         assert readouts.phase_error(opposite, (1.0, 0.0)) == -180
     assert readouts.phase_error((0.0, 0.0), (1.0, 0.0)) is None
     assert run(EULER, Q(1), Q(1), (Q(0), Q(0))).phase_error is None
 
 
-@claim("L159", evidence=CERTIFIED, by="disjoint enclosures")
+@claim("L159", evidence=PROVED, by="visible sign")
 def test_phase_error_is_the_shortest_of_all_differences() -> None:
     """Of all angle differences that are equal up to whole turns, the readout is the shortest.
 
-    Shown on a run that lags by more than half a turn.
+    It is an a from -180 to 180 (L135), and (a + 360 k)² - a² is a product without a negative factor, for k >= 1 and for
+    k <= -1. A run that lags by more than half a turn shows it.
     """
+    _, a, k = ring("a, k", QQ)
+    longer = (a + 360 * k) ** 2 - a**2
+    assert longer == 720 * k * ((a + 180) + 180 * (k - 1)) == 720 * -k * ((180 - a) + 180 * (-k - 1))
+    assert (a + 180 * k) ** 2 - a**2 != 360 * k * ((a + 180) + 180 * (k - 1))  # half turns can be shorter
     late = run(EULER, Q(5, 2))
     wrapped = late.phase_error
     angles = (4 * sympy.atan(Rational(5, 2)) - 10) * 180 / pi
@@ -178,10 +245,11 @@ def test_positive_phase_error_is_ahead() -> None:
     rate = (q * q + v * v, q * q + v * v)  # numerator and denominator of d/dt atan2(-v, q)
     dq, dv = v, -q
     assert (q * -dv - -v * dq, q**2 + v**2) == rate
-    later, sooner = (sympy.Matrix([cos(t), -sin(t)]) for t in (2, 1))
-    sine = later[0] * sooner[1] - later[1] * sooner[0]  # of the phase error, whose sign it has below half a turn
-    assert sympy.simplify(sine - sin(1)) == 0
-    assert certified_sign(certifiable(sin(1))) == 1
+    t, s = sympy.symbols("t s", real=True)
+    later, sooner = ((cos(time), -sin(time)) for time in (t + s, t))
+    sine = later[0] * sooner[1] - later[1] * sooner[0]  # of the phase error, positive for s below half a turn
+    assert sympy.simplify(sine - sin(s)) == 0
+    assert certified_sign(certifiable(sin(sympy.Integer(1)))) == 1
 
 
 @claim("L136", "L161", evidence=PROVED, by="period of the angle")
@@ -201,7 +269,7 @@ def test_energy_fixes_radius_and_not_phase() -> None:
     """
     r, alpha, beta = sympy.symbols("r alpha beta", positive=True)
     states = [(r * cos(angle), -r * sin(angle)) for angle in (alpha, beta)]
-    assert sympy.trigsimp(readouts.energy(states[0]) - readouts.energy(states[1])) == 0
+    assert [sympy.trigsimp(readouts.energy(state)) for state in states] == [r**2 / 2] * 2
     distance = sum((a - b) ** 2 for a, b in zip(*states, strict=True))
     assert sympy.simplify(distance - 4 * r**2 * sin((alpha - beta) / 2) ** 2) == 0
 
@@ -231,44 +299,45 @@ def test_stability_is_read_apart_from_drift_phase_and_cost() -> None:
     ends = [state_after(SYMPLECTIC, n, Q(step), (Q(1), Q(1))) for n, step in ((12, 1), (6, 2))]
     assert ends == [(1, 1)] * 2
     assert (bounded(SYMPLECTIC, 1), bounded(SYMPLECTIC, 2)) == (True, False)
-    assert counted_evaluations(EULER, Q(1, 2)) == counted_evaluations(SYMPLECTIC, Q(1, 2))
+    assert calls_of_a_step(EULER) == calls_of_a_step(SYMPLECTIC) != calls_of_a_step(RK4)
     assert (bounded(EULER, Q(1, 2)), bounded(SYMPLECTIC, Q(1, 2)), bounded(RK4, Q(1, 2))) == (False, True, True)
     one, other = run(SYMPLECTIC, Q(1, 2)), run(RK4, Q(1, 2))
     assert one.energy_change != other.energy_change
-    assert Real(one.phase_error) > Real(other.phase_error)
-    assert counted_evaluations(RK4, Q(1, 2)) != counted_evaluations(SYMPLECTIC, Q(1, 2))
+    (q1, v1), (q2, v2) = one.final_state, other.final_state
+    assert q1 * v2 - v1 * q2 != 0  # so that their angles differ
 
 
 @claim("L007", evidence=PROVED, by="pairs alike in one")
 def test_four_quantities_are_read_apart() -> None:
     """State error, energy error, phase error and cost are four readouts: no one of them determines another.
 
-    Of each error there are two states that agree in it and differ in the other two; two runs of equal cost differ in
-    all three; and a step that asks for a force in vain reaches the same state at twice the cost.
+    Of each error there are two states that agree in it and differ in the other two; a step of either Euler method costs
+    the same and differs in all three; and a step that asks for a force in vain reaches the same state at twice the
+    cost.
     """
-    exact = (1.0, 0.0)
 
-    def read(state: tuple[float, float]) -> tuple[Any, ...]:
-        return (
-            readouts.state_error(state, exact),
-            readouts.float_energy_change(state, exact),
-            readouts.phase_error(state, exact),
-        )
+    def read(x: int, y: int) -> tuple[Any, ...]:
+        """Squared distance from (1, 0), energy less that of (1, 0), angle from (1, 0)."""
+        return ((x - 1) ** 2 + y**2, energy(Q(x), Q(y)) - energy(*START), atan2(-y, x))
 
-    same_distance = read((2.0, 0.0)), read((1.0, 1.0))
-    same_energy = read((0.0, -1.0)), read(exact)
-    same_phase = read((2.0, 0.0)), read((3.0, 0.0))
+    same_distance = read(2, 0), read(1, 1)
+    same_energy = read(0, -1), read(1, 0)
+    same_phase = read(2, 0), read(3, 0)
     for alike, (one, other) in enumerate((same_distance, same_energy, same_phase)):
         assert [i for i in range(3) if one[i] == other[i]] == [alike]
-    # 100 evaluations, twice, and three different errors; a step that asks in vain, and the same state for more.
-    runs = run(EULER, Q(1, 10)), run(RK4, Q(2, 5))
-    assert counted_evaluations(EULER, Q(1, 10)) == counted_evaluations(RK4, Q(2, 5))
-    assert Real(runs[1].state_error) < Real(runs[0].state_error)
-    assert runs[0].energy_change != runs[1].energy_change
-    assert Real(runs[0].phase_error) < Real(runs[1].phase_error)
+    # One evaluation, twice, and three different errors; a step that asks in vain, and the same state for more.
+    h = H.as_expr()
+    c, s = cos(h), sin(h)
+    (q1, v1), (q2, v2) = (sympy.Matrix([[1, 0]]) * as_matrix(M(key)).T for key in (EULER, SYMPLECTIC))
+    assert calls_of_a_step(EULER) == calls_of_a_step(SYMPLECTIC)
+    nearer = (q1 - c) ** 2 + (v1 + s) ** 2 - (q2 - c) ** 2 - (v2 + s) ** 2
+    assert sympy.expand(nearer + 2 * h**2 * (c - 1 + h**2 / 2)) == 0
+    assert rises_from_zero(c - 1 + h**2 / 2, h)
+    assert sympy.expand(q1**2 + v1**2 - q2**2 - v2**2 - h**2 * (2 - h**2)) == 0  # not 0 at h = 1/2
+    assert sympy.expand(q1 * v2 - v1 * q2 + h**3) == 0  # so that the angles differ
     frugal, wasteful = CountedForce(oscillator), CountedForce(oscillator)
     step = HAND_WRITTEN[EULER]
-    reached = step(frugal, *exact, 0.5), (wasteful(9.0), step(wasteful, *exact, 0.5))[1]
+    reached = step(frugal, *START, FIRST_H), (wasteful(Q(9)), step(wasteful, *START, FIRST_H))[1]
     assert reached[0] == reached[1]
     assert (frugal.calls, wasteful.calls) == (1, 2)
     assert {"state_error", "energy_change", "phase_error", "evaluations"} <= set(PRESETS["default"].readouts)

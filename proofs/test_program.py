@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from fractions import Fraction as Q
@@ -17,6 +18,7 @@ from driftproof.methods.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V
 from proofs import program
 from proofs.claims import COUNTED, PROVED, claim
 from proofs.printed import ROWS
@@ -56,7 +58,7 @@ def listing(folder: Path) -> Path:
 
 @claim("L202", evidence=COUNTED, by="program run, imports counted")
 def test_program_needs_only_the_standard_library(tmp_path: Path) -> None:
-    """A program of the standard library alone implements all three updates: it runs without any other package."""
+    """Our program of the standard library alone implements all three updates: it runs without any other package."""
     assert output(PROGRAM)[-1] == "foreign: []"
     for key, name in zip(LESSON_METHODS, program.METHODS, strict=True):  # bit for bit, h being a power of two
         assert program.step(name, (0.75, -0.5), 0.5) == HAND_WRITTEN[key](oscillator, 0.75, -0.5, 0.5)
@@ -68,7 +70,7 @@ def test_program_needs_only_the_standard_library(tmp_path: Path) -> None:
 
 @claim("L209", evidence=COUNTED, by="program run, lines compared")
 def test_program_prints_the_seven_lines() -> None:
-    """The program prints seven lines, with the digits that the exact values have."""
+    """Our program prints seven lines, with the digits that the exact values have."""
     texts = {row.claim: row.text for row in ROWS}
     lines = [numbers(line) for line in output(PROGRAM)[:-1]]
     assert [x for line in lines for x in line] == [texts[f"L{i}"] for i in range(210, 227)]
@@ -77,10 +79,16 @@ def test_program_prints_the_seven_lines() -> None:
 
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson is not beside this checkout")
 def test_listing_of_the_lesson_prints_the_same_digits(tmp_path: Path) -> None:
-    """The lesson's own listing needs no other package either, and prints the same numbers as our program."""
+    """The lesson's own listing needs no other package either, prints the same numbers, forms the same polynomials."""
     own, theirs = output(PROGRAM), output(listing(tmp_path))
     assert theirs[-1] == "foreign: []"
     assert [numbers(line) for line in theirs[:-1]] == [numbers(line) for line in own[:-1]]
+    their = runpy.run_path(str(listing(tmp_path)))
+    for name in program.METHODS:
+        assert their["advance"](name, (STATE_Q, STATE_V), STATE_H) == program.step(name, (STATE_Q, STATE_V), STATE_H)
+    assert their["energy"]((STATE_Q, STATE_V)) == program.energy((STATE_Q, STATE_V))
+    with pytest.raises(ValueError, match=r"^Unknown method$"):
+        their["advance"](Unequal(), (1.0, 0.0), 0.5)
 
 
 @claim("L203", evidence=PROVED, by="dyadic step")
@@ -97,12 +105,29 @@ def test_whole_number_of_quarters_is_ten() -> None:
         assert run_method(PRESETS["default"], key)["final_state"] == reached[0][name]  # bit for bit, h being dyadic
 
 
+class Unequal:
+    """A name that is equal to none, and keeps what it is compared with; nothing else can be done with it."""
+
+    def __init__(self) -> None:
+        """Start with no comparison."""
+        self.compared: list[object] = []
+
+    def __eq__(self, other: object) -> bool:
+        """Keep the other, and be unequal to it."""
+        self.compared.append(other)
+        return False
+
+
 @claim("L206", evidence=COUNTED, by="raises on purpose")
 def test_unknown_method_is_refused() -> None:
-    """A method that is none of those known is refused with a ValueError that says so, never silently replaced."""
-    for name in ("Leapfrog", "euler", "RK 4", "rk4", "", "Symplectic "):
+    """Our program refuses a method that is none of its three with a ValueError that says so, and never replaces it.
+
+    It compares a name with the three and does nothing else with it, so one that equals none stands for all.
+    """
+    for name in ("Leapfrog", "Symplectic ", unequal := Unequal()):
         with pytest.raises(ValueError, match=r"^Unknown method$"):
-            program.step(name, (1.0, 0.0), 0.5)
+            program.step(name, (1.0, 0.0), 0.5)  # type: ignore[arg-type]
+    assert unequal.compared == [*program.METHODS]
     for name in ("Leapfrog", "", "Symplectic "):  # the first is ambiguous, the others are unknown
         with pytest.raises(ValueError, match=f"^(unknown method )?{name!r}"):
             entry_named(name)

@@ -22,7 +22,7 @@ from driftproof.symbolic.derivation.stability import (
 )
 from proofs.claims import CERTIFIED, PROVED, claim
 from proofs.derivations.physical import one_step_with_frequency
-from proofs.derivations.signs import in_square_of_h, is_positive_between, roots_between
+from proofs.derivations.signs import in_square_of_h, is_positive_between, rises_from_zero, roots_between
 from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, Real, energy, state_after
 
 h = expression(H)
@@ -78,6 +78,7 @@ def test_symplectic_state_grows_linearly_at_two() -> None:
     state, following = (2 * n + 1, 2 * n), (2 * n + 3, 2 * n + 2)
     one_step = tuple(QQ(x.numerator) * state[0] + QQ(y.numerator) * state[1] for x, y in ((a, b), (c, d)))
     assert one_step == tuple(-component for component in following)
+    assert (a + b, c + d) == (-1, -1)
     assert tuple(int(component.evaluate(n, 0)) for component in state) == START
     assert state_after(SYMPLECTIC, 7, Q(2), (Q(3), Q(3))) == (-3, -3)
 
@@ -98,12 +99,18 @@ def test_symplectic_state_grows_of_h_gt_two() -> None:
     assert energy(*state_after(SYMPLECTIC, 4, Q(5, 2))) > energy(*START)
 
 
-@claim("L175", evidence=PROVED, by="finite limit found")
+@claim("L175", evidence=PROVED, by="visible sign, Sturm")
 def test_rk4_stability_is_restricted_too() -> None:
-    """RK4 has a limit of its own: its powers are bounded up to 2 sqrt 2 and not beyond."""
+    """RK4 has a limit of its own: its powers are bounded up to 2 sqrt 2 and not beyond.
+
+    The energy of every state is multiplied by m in each step: at most 1 as far as the limit, more than 1 beyond.
+    """
     limit = stability_limit(M(RK4))
     assert limit == 2 * sqrt(2)
-    assert not AtStep(M(RK4), sympy.Integer(3)).bounded
+    m = in_square_of_h(energy_multiplier(M(RK4)))
+    assert is_positive_between(1 - m, Q(0), Q(8))
+    assert at_rational(m, Q(8)) == 1
+    assert is_positive_between(m - 1, Q(8), None)
     assert limit != stability_limit(M(SYMPLECTIC))
 
 
@@ -145,12 +152,13 @@ def test_rk4_energy_multiplier_eq_one_at_two_sqrt_two() -> None:
     nearest = Q(6369051672525773, 2**51)  # the double closest to 2 sqrt 2, and its neighbour below
     below = nearest - Q(1, 2**51)
     assert at_rational(multiplier, nearest) > 1 > at_rational(multiplier, below)
-    assert nearest**2 > 8 > below**2
+    assert nearest**2 > 8 > ((nearest + below) / 2) ** 2 > below**2
+    assert Q(float(below)) == below < nearest == Q(float(nearest))
 
 
-@claim("L180", evidence=PROVED, by="exact phase advance")
+@claim("L180", evidence=CERTIFIED, by="exact advance, enclosed")
 def test_rk4_phase_error_remains_at_two_sqrt_two() -> None:
-    """At 2 sqrt 2 the phase is still wrong: each step turns by π + atan(2 sqrt 2), a lead of 88.47 degrees."""
+    """At 2 sqrt 2 the phase is still wrong: each step turns by π + atan(2 sqrt 2), a lead of 88.47... degrees."""
     limit = 2 * sqrt(2)
     assert AtStep(M(RK4), limit).matrix == sympy.Matrix([[-Rational(1, 3), -limit / 3], [limit / 3, -Rational(1, 3)]])
     advance = sympy.pi + sympy.atan(limit)  # cos = -1/3 and sin = -2 sqrt 2 / 3, in the third quarter
@@ -193,12 +201,16 @@ def test_limits_belong_to_method_and_oscillator() -> None:
     }
 
 
-@claim("L065", evidence=CERTIFIED, by="disjoint enclosures")
+@claim("L065", evidence=PROVED, by="visible sign, Taylor")
 def test_higher_order_is_neither_exact_nor_unrestricted() -> None:
-    """Order four makes RK4 neither exact, its step misses cos h, nor unrestricted, its powers grow beyond 2 sqrt 2."""
-    position = at_rational(M(RK4).to_list()[0][0], Q(1, 2))
-    assert certified_sign(certifiable(sympy.cos(Rational(1, 2)) - Rational(position))) != 0
-    assert not AtStep(M(RK4), sympy.Integer(3)).bounded
+    """Order four makes RK4 neither exact, its step misses cos h, nor unrestricted, its powers grow beyond 2 sqrt 2.
+
+    From (1, 0) it reaches a position above cos h for every h > 0: four derivatives of the difference lead to 1 - cos h.
+    """
+    position = expression(M(RK4).to_list()[0][0])
+    assert rises_from_zero(position - sympy.cos(h), h)
+    assert not rises_from_zero(expression(M(EULER).to_list()[0][0]) - sympy.cos(h) - h**2 / 2, h)
+    assert is_positive_between(in_square_of_h(energy_multiplier(M(RK4)) - 1), Q(8), None)
 
 
 def test_growth_at_boundary_scene_is_linear_not_exponential() -> None:

@@ -178,7 +178,7 @@ def test_boundedness_is_decided_rightly_at_the_jordan_block_and_around() -> None
 
 @claim("T05", evidence=CERTIFIED, by="planted enclosures")
 def test_digits_wait_for_the_enclosure() -> None:
-    """A decimal is given only when both ends of the enclosure round to it: more bits are asked for, or it is refused.
+    """Of planted enclosures a decimal is given only when both ends round to it: more bits are asked for, or none is.
 
     1/2 + 10⁻⁵⁰ rounds up and 1/2 - 10⁻⁵⁰ down, whichever way the first 128 bits lean; an enclosure that never narrows
     gives no digit; and the radius counts, not the middle.

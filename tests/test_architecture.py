@@ -66,14 +66,17 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1273,
-    "methods": 5521,
+    "methods": 5523,
     "symbolic": 10762,
-    "numeric": 4546,
-    "blackbox": 22687,
-    "enclosure": 5741,
-    "texts": 10675,
+    "numeric": 4545,
+    "blackbox": 22864,
+    "enclosure": 5732,
+    "texts": 10676,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6118
+BUDGET_OF_REPORTS_AND_FRONT = 6125
+# Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
+# number that is set is the true one, so that they are not counted in.
+AIR = 12
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
 
@@ -237,8 +240,10 @@ def lines_of(paths: tuple[Path, ...]) -> int:
 def over_budget(root: Path) -> list[str]:
     sizes = {room: lines_of(files(root, f"{PACKAGE}/{room}")) for room in ROOMS}
     front = lines_of(house(root)) - sum(sizes.values()) + sizes["reports"]
-    found = [f"{room} has {sizes[room]} lines, {most} allowed" for room, most in BUDGETS.items() if sizes[room] > most]
-    if front > BUDGET_OF_REPORTS_AND_FRONT:
+    found = [
+        f"{room} has {sizes[room]} lines, {most} allowed" for room, most in BUDGETS.items() if sizes[room] > most + AIR
+    ]
+    if front > BUDGET_OF_REPORTS_AND_FRONT + AIR:
         found.append(f"reports and the front have {front} lines, {BUDGET_OF_REPORTS_AND_FRONT} allowed")
     tests, source = lines_of(files(root, "tests")), lines_of(house(root))
     if tests > TESTS_PER_LINE_OF_SOURCE * source:

@@ -48,8 +48,8 @@ def certify_command(options: Namespace) -> str:
       module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
       'y1; -sin(y0)'  rates in t, y0, ..., sin, cos, tan, exp, log, sqrt, tanh, abs, max, exact numbers; or equations:
                       "x'=v, v'=-k*sin(x), k=2"; with "x''=-sin(x)", all velocities follow the positions in the file
-      file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"; or function = "module:f"; a run
-                      that has another start or end than the file is told so
+      file.toml       rates = ["y1", "-g * sin(y0)"], or rates.theta = "omega" and so on; [parameters] with g = "9.81";
+                      or function = "module:f"; a run that has another start or end than the file is told so
     f runs in this process with your rights, as in your own tests; Ctrl-C stops it.
 
     what the file holds:
@@ -61,15 +61,17 @@ def certify_command(options: Namespace) -> str:
       .npy   one array, with a row for each time: t and the components
 
     With --method, error = truncation + rounding, each enclosed: the method is run exactly with the steps of the run,
-    which lead from point to point, or have the size --h. Points that the method does not reach so are refused.
+    which lead from point to point, or have the size --h. Points that it does not reach so are told, with their error.
     With --invariant, the drift of a first integral is enclosed and split as well: energy='y1^2/2 - cos(y0)', or
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
-    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance; 2 if
-    the input is wrong; 3 if nothing can be proved, with the reason, such as a pole near the trajectory.
+    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance, or if
+    the run is not of --method, whose total error is shown; 2 if the input is wrong; 3 if nothing can be proved, with
+    the reason, such as a pole near the trajectory, or if a run that is off may be of SciPy's Radau.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
+    from driftproof.enclosure.exact_runs import STOPPED_EARLY, NotItsSteps
     from driftproof.methods.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 
@@ -83,7 +85,12 @@ def certify_command(options: Namespace) -> str:
         "h": options.h,
         "invariants": _invariants(options.invariant),
     }
-    found = certify(f, options.run, **about)
+    try:
+        found = certify(f, options.run, **about)
+    except NotItsSteps as refusal:
+        found = refusal.total
+        if found is None:
+            raise
     good = options.tolerance is None or within(found, options.tolerance)
     drawn = draw_certificate(found, f"Error of {options.run.name}", options.figure) if options.figure else None
     if options.format == "json":
@@ -92,8 +99,8 @@ def certify_command(options: Namespace) -> str:
     else:
         verdict = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
         written = "\n".join(filter(None, [found.text(), verdict, f"wrote {drawn}" if drawn else ""]))
-    if not good:
-        raise cli.Refuted(written)
+    if not good or found.unsplit:
+        raise cli.Undecided(written) if good and STOPPED_EARLY in found.unsplit else cli.Refuted(written)
     return written
 
 

@@ -24,7 +24,7 @@ _MATH_ALONE = ("erf", "erfc")
 _FILLED_WITH_FLOATS = ("zeros", "ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 # Of two numbers, of which the first may be a constant.
 _OF_TWO = ("hypot", "arctan2")
-_OWN = ("array", "asarray", "fromiter", "sign", "interp", "digitize", "searchsorted", "gradient", "sinc")
+_OWN = ("array", "asarray", "sign", "interp", "digitize", "searchsorted", "sinc")
 REPLACED = (*_OWN, *_FILLED_WITH_FLOATS, *SELECTING, *_OF_TWO)
 _TO_INTEGERS = ("floor", "ceil", "trunc")
 # The answers for enclosed numbers that are finite.
@@ -62,19 +62,6 @@ def chosen_by(choose: Callable[..., Any]) -> Callable[..., Any]:
         return among(given, choose(given, **options))
 
     return chosen
-
-
-def _selecting(choose: Any) -> Callable[..., Any]:
-    """numpy.maximum and its like, with its methods reduce and accumulate."""
-    chosen: Any = lambda *given: among(given, choose(*given))
-    for name in ("reduce", "accumulate"):
-        if (method := getattr(choose, name, None)) is not None:
-            setattr(chosen, name, partial(_chosen_along, method))
-    return chosen  # type: ignore[no-any-return]
-
-
-def _chosen_along(method: Callable[..., Any], given: Any, *axis: Any, **options: Any) -> Any:
-    return among([given], method(given, *axis, **options))
 
 
 class _Floats(type):
@@ -147,7 +134,7 @@ class _Numpy(ModuleType):
         if name in _OF_FINITE:
             return lambda x: np.vectorize(partial(_as_finite, name))(x)[()] if holds_enclosed(x) else value(x)
         if name in SELECTING:
-            return _selecting(value)
+            return lambda *given: among(given, value(*given))
         if name in _OF_TWO:
             return lambda *given: value(*(among(given, x if isinstance(x, Enclosed) else np.asarray(x)) for x in given))
         if name not in _FILLED_WITH_FLOATS:
@@ -172,22 +159,6 @@ class _Numpy(ModuleType):
         return made
 
     asarray = array
-
-    @staticmethod
-    def fromiter(values: Iterable[Any], dtype: Any, count: int = -1) -> Any:
-        """numpy.fromiter, as numpy.array of a list."""
-        return _Numpy.array([x for k, x in enumerate(values) if count < 0 or k < count], dtype)
-
-    @staticmethod
-    def gradient(f: Any, *spacing: Any, **options: Any) -> Any:
-        """numpy.gradient, which enclosed numbers have in a row at equal distances."""
-        if not holds_enclosed(f):
-            return np.gradient(f, *spacing, **options)
-        row, h = among([f], np.asarray(f)), spacing[0] if spacing else 1
-        if options or len(spacing) > 1 or np.ndim(h) or row.ndim != 1 or len(row) < 2:
-            raise Refused("f takes numpy.gradient of more than a row at equal distances, which has no enclosure")
-        inner = (row[2:] - row[:-2]) / (2 * h)
-        return np.concatenate([[(row[1] - row[0]) / h], inner, [(row[-1] - row[-2]) / h]])
 
     @staticmethod
     def clip(x: Any, least: Any, most: Any) -> Any:

@@ -71,8 +71,8 @@ class Certificate(Printable):
     `digits_at` are the digits of the largest error at each point, relative to the solution's largest component there;
     `digits` are the least of these, and `digits_of` those of each component by itself. `steps` and `bits` are those of
     the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not 1/10. `split` and `drifts` are present if
-    they were asked for. `unknowns` are the names that f gives the components, `said` how the columns of the file were
-    read, where their names leave a question.
+    they were asked for; `unsplit` says why there is no split. `unknowns` are the names that f gives the components,
+    `said` how the columns of the file were read, where their names leave a question, or that the solver failed.
     """
 
     t: tuple[float, ...]
@@ -86,6 +86,7 @@ class Certificate(Printable):
     drifts: Mapping[str, Drift] = field(default_factory=dict)
     unknowns: tuple[str, ...] = ()
     said: str = ""
+    unsplit: str = ""
 
     @property
     def digits(self) -> int:
@@ -134,8 +135,7 @@ class Certificate(Printable):
             said = ", ".join(map(repr, self.doubles[: _MOST_SHOWN if few else 3]))
             count, more = ("", "") if few else (f"{len(self.doubles)} ", ", ...")
             lines.append(f"{count}constants in f, each exactly this double: {said}{more}")
-        lines += [self.said] if self.said else []
-        return "\n".join(lines)
+        return "\n".join([*lines, *filter(None, [self.said, f"not split: {self.unsplit}" if self.unsplit else ""])])
 
     def _own_digits_lines(self) -> list[str]:
         """The component with the fewest digits of its own, if they are fewer than those of the whole state."""
@@ -187,6 +187,7 @@ class Certificate(Printable):
             parts = {"truncation": _rows(split.truncation), "rounding": _rows(split.rounding)}
             run = {"method": split.method, "steps": split.steps, "bits": split.bits}
             found["split"] = {**run, "unchecked": list(split.unchecked), **parts}
+        found |= {name: text for name, text in (("said", self.said), ("unsplit", self.unsplit)) if text}
         if self.drifts:
             found["drifts"] = {
                 name: {

@@ -15,7 +15,7 @@ from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.evaluations import Refused, in_bits
-from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of, unchecked_intervals
+from driftproof.enclosure.exact_runs import NotItsSteps, Row, StepPlan, plan_of, unchecked_intervals
 from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import size
@@ -23,7 +23,7 @@ from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, giv
 from driftproof.enclosure.reproduction import require_reproduced_between
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
-from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_trajectory, trajectory_of
+from driftproof.enclosure.trajectories import Trajectory, failure_of, has_trajectory, read_trajectory, trajectory_of
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
@@ -65,7 +65,8 @@ def certify(
     the path of a .toml file, its numbers are exact. A .toml file, or a dict of its contents, may have a function
     instead; a run with another start or end than the file's is told so. `parameters` replace those of the file or the
     dict, or are keywords of the function. Raises Refused if nothing can be proved, and ValueError for bad input, such
-    as an unknown method, h without a method, or an f of another number of components.
+    as an unknown method, h without a method, or an f of another number of components. Of a run that is not of the
+    method the Refused is a NotItsSteps, and its `total` the certificate of the error, which is not split.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
@@ -89,24 +90,45 @@ def certify(
     f = right_hand_side(field, len(run.states[0]))
     functions = invariants_of(invariants, field, len(run.states[0]))
     require_reproduced_between(f, enclosable(f), run.times, run.states)
-    plan = None if method is None else plan_of(f, run, method, h)
     WRITTEN.set(False)
     try:
-        found = _certified(f, run, plan, functions)
+        found = _certified(f, run, functions, lambda: None if method is None else plan_of(f, run, method, h))
     except Refused as refusal:
         raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
     said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else "", *_unlike(given, run)]))
-    return replace(found, unknowns=unknowns, said=said)
+    found = replace(found, unknowns=unknowns, said=said)
+    if found.unsplit:
+        raise NotItsSteps(f"{found.unsplit}; {found.text().splitlines()[0]}", found)
+    return found
 
 
 def _certified(
-    f: RightHandSide, run: Trajectory, plan: StepPlan | None, functions: Mapping[str, Callable[[Any], Any]]
+    f: RightHandSide,
+    run: Trajectory,
+    functions: Mapping[str, Callable[[Any], Any]],
+    planned: Callable[[], StepPlan | None],
 ) -> Certificate:
-    """The certificate of a run, with what `plan` splits, and the drifts of the `functions`. Raises Refused."""
-    enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    """The certificate of a run, with what a plan splits, and the drifts of the `functions`. Raises Refused.
+
+    If the run is not of the planned steps, its total error is certified.
+    """
+    plan, split, unsplit = None, None, ""
+    try:
+        plan = planned()
+    except NotItsSteps as refusal:
+        unsplit = str(refusal)
+    try:
+        enclosed = _enclosed(f, run, () if plan is None else plan.starts)
+    except Refused as refusal:
+        if not unsplit:
+            raise
+        raise NotItsSteps(f"{unsplit}; {refusal}") from None
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
-    split = None if plan is None else _split(plan, run, true)
+    try:
+        split = None if plan is None else _split(plan, run, true)
+    except NotItsSteps as refusal:
+        unsplit = str(refusal)
     on_time = [true[t] for t in run.exact_times]
     with ctx.workprec(enclosed.bits):
         digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
@@ -114,7 +136,8 @@ def _certified(
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
-    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
+    return replace(found, unsplit=unsplit)
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:
@@ -139,9 +162,10 @@ def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> En
     """The solution at the run's times and at `more`, with enough bits for a small radius. Raises Refused."""
     exact = run.exact_times
     bits, reached = BITS_AT_FIRST, exact[0]
+    times = exact if more in ((), tuple(exact)) else sorted({*exact, *more})  # a run that slides has very many
     for last in (*[False] * MOST_DOUBLINGS, True):
         try:
-            enclosed = enclose_solution(f, [Fraction(x) for x in run.states[0]], sorted({*exact, *more}), bits)
+            enclosed = enclose_solution(f, [Fraction(x) for x in run.states[0]], times, bits)
             if _is_small(_errors(run, enclosed), enclosed.states):
                 return enclosed
         except Refused as refusal:
@@ -194,9 +218,10 @@ def assert_accurate(
 
     The errors are those against the true solution through the first point: what was lost before that point, for example
     if SciPy's `t_eval` leaves out the start, is not seen.
-    Raises AssertionError with the point whose error is the largest multiple of its tolerance, and with that error, and
-    Refused if nothing can be proved. `solution` is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of
-    the solver are given, the message compares the error with what they promise, which is only the error of one step.
+    Raises AssertionError with the point whose error is the largest multiple of its tolerance, and with that error, or
+    if SciPy says that its solver failed; and Refused if nothing can be proved. `solution` is what `certify` takes, or a
+    pair (t, y). If the `rtol` and `atol` of the solver are given, the message compares the error with what they
+    promise, which is only the error of one step.
 
     >>> from driftproof import assert_accurate
     >>> rows = [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]]
@@ -207,6 +232,8 @@ def assert_accurate(
     rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
     """  # noqa: E501
     __tracebackhide__ = True  # pytest shows the user's line, and the message
+    if failed := failure_of(solution):
+        assert_verdict(AssertedVerdict("the solution", "is of a solver that failed", False, failed), holds=False)
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     beyond = [each for each in _with_tolerances(found, tolerance) if not within(*each[:2])]
     if not beyond:

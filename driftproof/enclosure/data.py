@@ -20,20 +20,12 @@ def interpolated(
     fp: Sequence[float],
     left: float | None = None,
     right: float | None = None,
-    period: float | None = None,
 ) -> Any:
     """numpy.interp at a number: the line through the two points around x, `left` and `right` beyond the first and last.
 
-    The slope is exact, where NumPy rounds it. With a period, both x and the points are taken modulo it.
+    The slope is exact, where NumPy rounds it.
     """
-    points: Any = _Exact(xp), _Exact(fp)
-    if period is not None:
-        whole = abs(Fraction(period))
-        within = sorted(zip([k % whole for k in points[0]], points[1], strict=True))
-        (first, its), (last, other) = within[0], within[-1]
-        points = zip((last - whole, other), *within, (first + whole, its), strict=True)
-        x = x % whole
-    knots, values = points
+    knots, values = _Exact(xp), _Exact(fp)
     i = bisect_right(knots, x)
     if i == 0:
         return values[0] if left is None else left
@@ -52,10 +44,8 @@ def bin_of(x: Enclosed, bins: Sequence[float], right: bool = False) -> int:
     return find(edges, x) if edges[0] <= edges[-1] else len(edges) - find(edges[::-1], x)
 
 
-def sorted_place(among: Sequence[float], x: Enclosed, side: str = "left", sorter: Any = None) -> int:
+def sorted_place(among: Sequence[float], x: Enclosed, side: str = "left") -> int:
     """numpy.searchsorted at a number: how many of the rising numbers are below x, with side "right" not above it."""
-    if sorter is not None:
-        raise Refused("f gives numpy.searchsorted a sorter; sort the numbers themselves")
     return (bisect_right if side == "right" else bisect_left)(_Exact(among), x)
 
 
@@ -73,15 +63,7 @@ def spline_of(value: Any) -> Callable[..., Any] | None:
         return lambda x: spline_at(value.tck, x, value.extrapolate)
     if hasattr(value, "bounds_error") and hasattr(value, "_kind"):  # an interp1d, whose kind SciPy gives no other name
         return lambda x: _of_points(value, x)
-    if hasattr(value, "get_knots") and hasattr(value, "ext"):  # a UnivariateSpline, which may end as a constant
-        return lambda x: spline_at(_with_end_knots(value.get_knots(), value.get_coeffs()), x, value.ext == 0)
     return None
-
-
-def _with_end_knots(knots: Any, coefficients: Any) -> tuple[Any, Any, int]:
-    """The knots, the first and the last as often as the degree asks, with coefficients and degree."""
-    degree = len(coefficients) + 1 - len(knots)
-    return np.pad(knots, degree, mode="edge"), coefficients, degree
 
 
 def _of_pieces(spline: Any, x: Enclosed, derivative: int = 0) -> Any:

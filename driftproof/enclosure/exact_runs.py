@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,7 @@ UNSOLVED_STAGES = 2.0**27
 # SciPy's Radau stops Newton's method at min(0.03, sqrt(rtol)) (atol + rtol |y|): what is left may be as much as that,
 # with the default rtol or a smaller one. It is no allowance: steps of other methods are as near.
 LOOSEST_NEWTON, LOOSEST_RTOL = 0.03, 1e-3
+STOPPED_EARLY = "SciPy's Radau stopped Newton's method early"
 # The number of steps that are checked before the solution is enclosed, evenly spread.
 MOST_LOOKED_AT = 64
 # An interval in which rounding may grow to more than this part of the state is not told from steps of another method
@@ -49,6 +51,14 @@ LEAST_TELLING = 2.0**-20
 MOST_STEPS_EXACTLY = 10**6
 
 Row = tuple[arb, ...]
+
+
+class NotItsSteps(Refused):
+    """Points of a run are off the steps of the method by more than rounding; `total` certifies its error if it can."""
+
+    def __init__(self, message: str, total: Any = None) -> None:
+        super().__init__(message)
+        self.total = total
 
 
 @dataclass(frozen=True)
@@ -83,7 +93,7 @@ class StepPlan:
 def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: ExactNumber | None = None) -> StepPlan:
     """The steps of the run: from each point to the next or, given h, of size h between points at multiples of h.
 
-    Raises Refused if one of the steps that are looked at first is not of the method; `unchecked_intervals` asks of all.
+    Raises NotItsSteps if some that are looked at first are not of the method; `unchecked_intervals` asks of all.
     """
     found, times = named_method(method), run.exact_times
     if h is None:
@@ -165,30 +175,47 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
 def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = ()) -> tuple[int, ...]:
     """The intervals that may not be told from steps of another method, as rounding may have grown too much in them.
 
-    Raises Refused if a point is not the planned number of steps after the one before, up to rounding. Given the rows of
-    the `exact` run, every interval is checked, but for those at whose end the run is within one interval's rounding of
-    it. Without them about `MOST_LOOKED_AT` steps are checked, evenly spread, and no interval of more steps than that.
+    Raises NotItsSteps if points are not the planned number of steps after the ones before, up to rounding. Given the
+    rows of the `exact` run, every interval is checked, but for those at whose end the run is within one interval's
+    rounding of it. Without them about `MOST_LOOKED_AT` steps are checked, evenly spread, and no interval of more steps
+    than that.
     """
     step = exact_step(plan.method, plan.f, len(run.states[0]))
     per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)
-    intervals, found = len(plan.counts), list[int]()
+    intervals, found, failed = len(plan.counts), list[int](), dict[int, tuple[arb, arb]]()
     most = intervals if exact else max(1, MOST_LOOKED_AT // max(plan.counts))
-    for i in sorted({intervals * k // most for k in range(most)}):
+    off_by = partial(_off_by, run, step, per_step)
+
+    def look_at(i: int, *, near: bool) -> None:
         y, after = (tuple(map(arb, state)) for state in run.states[i : i + 2])
         if not exact and isinstance(plan.method, Splitting | Nystrom):
             _require_second_order(plan.method, y, *_linearised_at(plan, plan.starts[i], y))
         sizes = size(y) + size(after)
         close = min(plan.counts[i] * per_step, LEAST_TELLING) * sizes
-        far = size(x - z for x, z in zip(after, exact[i + 1], strict=True)) if exact else arb(0)
-        skipped = bool(far <= close) if exact else plan.counts[i] > MOST_LOOKED_AT
+        far = size(x - z for x, z in zip(after, exact[i + 1], strict=True)) if exact and not near else arb(0)
+        skipped = bool(far <= close) if exact and not near else plan.counts[i] > MOST_LOOKED_AT
         if skipped:
-            continue
-        made, allowed = _with_rounding(plan, step, i, y, per_step)
-        off = size(x - z for x, z in zip(after, made, strict=True))
+            return
+        off, allowed = off_by(plan, i)
         if not off <= allowed:
-            raise Refused(_not_its_steps(plan, run, i, off, allowed))
-        if not (off <= close or allowed <= LEAST_TELLING * sizes):
+            failed[i] = off, allowed
+        elif not near and not (off <= close or allowed <= LEAST_TELLING * sizes):
             found.append(i)
+
+    asked = {intervals * k // most for k in range(most)}
+    try:
+        for i in sorted(asked):
+            look_at(i, near=False)
+        if len(failed) <= 2:  # perhaps one point is off, between two intervals, or rows are missing
+            beside = {j for i in failed for j in (i - 1, i + 1) if 0 <= j < intervals} - {*failed}
+            asked |= beside
+            for i in sorted(beside):
+                look_at(i, near=True)
+    except Refused:  # where a point is off, f may have no value
+        if not failed:
+            raise
+    if failed:
+        raise NotItsSteps(_not_its_steps(plan, run, dict(sorted(failed.items())), len(asked), off_by))
     return tuple(found)
 
 
@@ -196,13 +223,14 @@ def _linearised_at(plan: StepPlan, t: Fraction, y: Row) -> tuple[list[arb], list
     return linearised(plan.f, exact_time(Evaluation(), enclose(t), [(t, enclose(t))]), y)
 
 
-def _with_rounding(
-    plan: StepPlan, step: Callable[[Row, Fraction, Fraction], Row], i: int, y: Row, per_step: float
-) -> tuple[Row, arb]:
-    """The planned steps from y, and what is allowed for rounding: so many roundings in each step.
+def _off_by(
+    run: Trajectory, step: Callable[[Row, Fraction, Fraction], Row], per_step: float, plan: StepPlan, i: int
+) -> tuple[arb, arb]:
+    """How far a point is off the planned steps from the one before, and what is allowed: so many roundings in each.
 
     They grow by exp(h |J|), J at the start of each further step. No proof depends on it.
     """
+    y, after = (tuple(map(arb, state)) for state in run.states[i : i + 2])
     h, allowed = plan.sizes[i], arb(0)
     for k in range(plan.counts[i]):
         t = plan.starts[i] + k * h
@@ -212,22 +240,40 @@ def _with_rounding(
             allowed *= (enclose(h) * size(sum(map(abs, row), arb(0)) for row in slopes)).exp()
         before, y = y, step(y, t, h)
         allowed += per_step * (size(before) + size(y) + enclose(h) * (size(rates) + size(moved)))
-    return y, allowed
+    return size(x - z for x, z in zip(after, y, strict=True)), allowed
 
 
-def _not_its_steps(plan: StepPlan, run: Trajectory, i: int, off: arb, allowed: arb) -> str:
-    """What is said of a point that is off the steps from the one before by more than rounding may explain."""
-    n, last = plan.counts[i], i + 2 == len(run.times) and i > 0
+def _steps_that_fit(plan: StepPlan, i: int, off_by: Callable[[StepPlan, int], tuple[arb, arb]]) -> int:
+    """The number of steps, as long as the one before, that fit in an interval in which one does not; or 0."""
+    n = round(plan.sizes[i] / plan.sizes[i - 1]) if i else 0
+    if not 1 < n <= MOST_LOOKED_AT or plan.counts[i] > 1:
+        return 0
+    off, allowed = off_by(replace(plan, counts=(n,) * (i + 1), sizes=(plan.sizes[i] / n,) * (i + 1)), i)
+    return n if off <= allowed else 0
+
+
+def _not_its_steps(
+    plan: StepPlan, run: Trajectory, failed: Mapping[int, tuple[arb, arb]], asked: int, off_by: Any
+) -> str:
+    """What is said of points that are off the steps from those before by more than rounding may explain."""
+    i, *others = failed
+    (off, allowed), n, last = failed[i], plan.counts[i], i + 2 == len(run.times)
     left = float(off / size(map(arb, run.states[i])))
     rtol = max(left ** (2 / 3), left / LOOSEST_NEWTON)
-    loose = f", or SciPy's Radau stopped Newton's method early, as with rtol = {rtol:.1g}: take 1e-6 or less"
-    ending = loose if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL else ""
-    ending += "; all before are: if an event ended the run, leave out the last point" if last else ""
+    causes = "another method, another f or parameter, digits cut in a file, steps left out (give h), a stage at a jump "
+    causes += "of f, or SciPy's t_eval"
+    if asked > 2 and others == [i + 1]:
+        causes = f"the others fit, as if y[{i + 1}] alone were changed"
+    elif asked > 1 and not others and last:
+        causes = "the others fit: if an event ended the run, leave out the last point"
+    elif asked > 1 and not others and (steps := _steps_that_fit(plan, i, off_by)):
+        causes = f"{steps} steps fit there, as if rows were missing"
+    if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL:
+        causes += f", or {STOPPED_EARLY}, as with rtol = {rtol:.1g}: take 1e-6 or less"
     return (
         f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
-        f"{float(off):.2g}, where {float(allowed):.2g} is allowed for rounding: another method, another f or "
-        "parameter, digits cut in a file, steps left out (give h), a stage at a jump of f, or SciPy's t_eval"
-        f"{ending}; without a method, the total error is certified"
+        f"{float(off):.2g}, where {float(allowed):.2g} is allowed for rounding (intervals that are off: {len(failed)} "
+        f"of {asked} looked at): {causes}"
     )
 
 

@@ -59,6 +59,10 @@ def enclosed_values(
         if "object arrays are not supported" in str(error):
             has = "numpy.interp and CubicSpline have one"
             raise Refused(f"{name} calls an interpolation that has no enclosure; {has}") from None
+        if str(error).startswith("unhashable"):
+            raise Refused(
+                f"{name} looks numbers up by their value, as in a dict or lru_cache, which has no enclosure"
+            ) from None
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         said += f"; y has {counted(len(y), 'component')}" if "unpack" in said or "index" in said else ""
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
@@ -112,7 +116,7 @@ def _rebound(value: Any, known: dict[int, Any], depth: int) -> Any:
     if spline_of(value) or (home and (isinstance(value, ModuleType) or home.startswith("scipy.interpolate."))):
         return _OfSciPy(value)
     if is_sparse(value):
-        return Sparse.of(value)
+        return Sparse(value)
     if isinstance(value, MethodType):
         return MethodType(_rebound(value.__func__, known, depth), _rebound_parts(value.__self__, known, depth))
     if isinstance(value, partial):

@@ -13,27 +13,29 @@ from driftproof.enclosure.models import TaylorModel
 _MOST_TERMS = 300
 
 
-def exprel_of(x: Value, *, slope: bool = False) -> Value:
-    """(exp x - 1)/x or its derivative; near 0 by Σ xᵏ/(k + 1)!, whose rest is bounded in balls and models.
+def quotient_of(x: Value, name: str, *, slope: bool = False) -> Value:
+    """ "exprel", (exp x - 1)/x, or "sinc", sin(x)/x, or its derivative; near 0 by its Taylor series.
 
-    Series need no bound: they make the polynomial of a step, whose defect is then bounded.
+    Those of both are Σ cₖ xᵏ/(k + 1)! with |cₖ| <= 1; their rest is bounded in balls and models. Series need no bound:
+    they make the polynomial of a step, whose defect is then bounded.
     """
     ball, model = isinstance(x, arb), isinstance(x, TaylorModel)
     centre = x if ball else x.coefficient(0) if model else x[0]
+    signs = (1, 1, 1, 1) if name == "exprel" else (1, 0, -1, 0)
     if abs(centre) > 1:
-        whole, inverse = x.exp(), inverse_of(x)
-        first = (whole - 1) * inverse
-        return (whole - first) * inverse if slope else first
+        inverse, whole, rate = inverse_of(x), *((x.sin(), x.cos()) if name == "sinc" else (x.exp() - 1, x.exp()))
+        first = whole * inverse
+        return (rate - first) * inverse if slope else first
     reach = arb((x.norm if model else abs(centre)).abs_upper())
     terms, rest = 1, reach * reach.exp()
     while not rest < arb(2) ** -ctx.prec:
         terms += 1
         rest = rest * reach / terms
         if terms > _MOST_TERMS:
-            raise Refused("f takes exprel of a number in a wide range")
+            raise Refused(f"f takes {name} of a number in a wide range")
     if not (ball or model):
         terms += ctx.cap
-    factors = [arb(k + 1 if slope else 1) / arb(k + 1 + slope).fac() for k in range(terms)]
+    factors = [signs[(k + slope) % 4] * arb(k + 1 if slope else 1) / arb(k + 1 + slope).fac() for k in range(terms)]
     total = x * 0
     for c in reversed(factors):
         total = total * x + c

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import combinations
 from typing import Any, TypeAlias
 
-import numpy as np
 from flint import arb
 
 from driftproof.enclosure.certificate import Drift, decimal
@@ -30,37 +28,6 @@ FIRST_INTEGRALS = {
     "angular_momentum": "y0*y3 - y1*y2",
     "henon_heiles_energy": "(y0^2 + y1^2 + y2^2 + y3^2)/2 + y0^2*y1 - y1^3/3",
 }
-
-
-def n_body_integrals(masses: Sequence[Any], dimension: int = 3, gravity: Any = 1) -> dict[str, Callable[[Any], Any]]:
-    """Energy, momentum and angular momentum of bodies that attract each other; y = (all positions, all velocities).
-
-    >>> sorted(n_body_integrals([1, 1, 1], dimension=2))
-    ['angular_momentum_xy', 'energy', 'momentum_x', 'momentum_y']
-    """
-    n = len(masses)
-
-    def parts(y: Any) -> tuple[list[Any], list[Any]]:
-        rows = [y[i * dimension : (i + 1) * dimension] for i in range(2 * n)]
-        return rows[:n], rows[n:]
-
-    def energy(y: Any) -> Any:
-        q, v = parts(y)
-        total = sum(m * sum(x * x for x in row) for m, row in zip(masses, v, strict=True)) / 2
-        for i, j in combinations(range(n), 2):
-            distance = np.sqrt(sum((a - b) * (a - b) for a, b in zip(q[i], q[j], strict=True)))
-            total = total - gravity * masses[i] * masses[j] / distance
-        return total
-
-    def momentum(axis: int) -> Callable[[Any], Any]:
-        return lambda y: sum(m * row[axis] for m, row in zip(masses, parts(y)[1], strict=True))
-
-    def angular(a: int, b: int) -> Callable[[Any], Any]:
-        return lambda y: sum(m * (q[a] * v[b] - q[b] * v[a]) for m, q, v in zip(masses, *parts(y), strict=True))
-
-    axes = "xyz"[:dimension]
-    found = {"energy": energy, **{f"momentum_{x}": momentum(i) for i, x in enumerate(axes)}}
-    return found | {f"angular_momentum_{axes[a]}{axes[b]}": angular(a, b) for a, b in combinations(range(dimension), 2)}
 
 
 def known_invariant(name: str) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from flint import arb, arb_series
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
-from driftproof.enclosure.functions import ANALYTIC, exprel_of, inverse_of, power_of
+from driftproof.enclosure.functions import ANALYTIC, inverse_of, power_of, quotient_of
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FLOOR
 
@@ -198,7 +198,7 @@ class Enclosed:
         said = (
             f"f converts a number to a float{running_line()}; what has an enclosure are functions of NumPy and math, "
         )
-        raise Refused(f"{said}SciPy's splines in one variable, and arrays that f makes itself")
+        raise Refused(f"{said}SciPy's CubicSpline and BSpline, and arrays that f makes itself")
 
     __index__ = __complex__ = cast(Any, __float__)
 
@@ -251,9 +251,6 @@ class Enclosed:
     def __divmod__(self, other: object) -> Any:
         return self // other, self % other
 
-    def __rdivmod__(self, other: object) -> Any:
-        return other // self, other % self
-
     def fmod(self, other: Any) -> Any:
         """The remainder by the rule of C: it has the sign of the number itself."""
         by = abs(other)
@@ -299,9 +296,18 @@ class Enclosed:
 
     def exprel(self) -> Enclosed:
         """(exp x - 1)/x, 1 at 0."""
-        if (written := self.evaluation.written("exprel", self.value)) is not None:
+        return self._quotient("exprel")
+
+    def sinc(self) -> Enclosed:
+        """NumPy's sin(πx)/(πx), 1 at 0."""
+        angle: Enclosed = self * Enclosed(self.evaluation, arb.pi())
+        return angle._quotient("sinc")
+
+    def _quotient(self, name: str) -> Enclosed:
+        if (written := self.evaluation.written(name, self.value)) is not None:
             return Enclosed(self.evaluation, written)
-        return self._with_chain_rule(exprel_of(self.value), (self, lambda: exprel_of(self.value, slope=True)))
+        rule = lambda: quotient_of(self.value, name, slope=True)
+        return self._with_chain_rule(quotient_of(self.value, name), (self, rule))
 
     def heaviside(self, at_zero: Any) -> Any:
         """0 below 0, 1 above, `at_zero` at 0."""
@@ -310,11 +316,6 @@ class Enclosed:
     def sign(self) -> int:
         """-1, 0 or 1."""
         return 1 if self > 0 else -1 if self < 0 else 0
-
-    @_lifts_other
-    def xlogy(self, o: Enclosed) -> Any:
-        """x log y."""
-        return self * o.log()
 
     @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
@@ -350,7 +351,6 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
     "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
     "erfc": lambda x: 1 - x.erf(),
     "expit": lambda x: 1 / (1 + (-x).exp()),
-    "sinc": lambda x: (x * Enclosed(x.evaluation, arb.pi())).sin() / (x * Enclosed(x.evaluation, arb.pi())),
     **dict.fromkeys(("conjugate", "item"), lambda x: x),
     "fabs": abs,
     "rint": round,
@@ -360,7 +360,7 @@ _BY_OTHERS: dict[str, Callable[[Any], Any]] = {
 
 
 # Functions of NumPy and SciPy that have no loop over objects.
-_WITHOUT_LOOP = ("copysign", "erf", "erfc", "exprel", "expit", "fmod", "heaviside", "sign", "xlogy")
+_WITHOUT_LOOP = ("copysign", "erf", "erfc", "exprel", "expit", "fmod", "heaviside", "sign")
 # What returns one of its arguments, which may be a constant: it stays exact in what f makes of it.
 SELECTING = ("maximum", "minimum", "fmax", "fmin", "clip")
 

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
+from inspect import signature
 from math import ulp
 
 import numpy as np
@@ -13,7 +15,7 @@ from flint import arb, ctx
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused, Replay
+from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused, Replay, ZeroByZero, not_smooth
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import linearised
@@ -151,9 +153,9 @@ class _Rates:
             raise ValueError(f"f returns {components} numbers for {len(balls)} components")
         try:
             rates, slopes = linearised(f, Clock(evaluation, arb(t)), balls)
-        except Refused as refusal:
-            if not isinstance(refusal, Overlapping):
-                raise
+        except ZeroByZero as refusal:
+            raise not_smooth(t, refusal) from None
+        except Overlapping as refusal:
             more = f"if f changes its form there, as friction at rest does, {TWO_RUNS}"
             raise Refused(f"{refusal} at t = {t}; {more}", refusal.t) from None
         scale = size(rates) + size(sum((abs(J * x) for J, x in zip(row, balls, strict=True)), _NONE) for row in slopes)
@@ -198,8 +200,14 @@ def _jumps_beside(
 def _rates_in_floats(f: RightHandSide, t: float, y: Sequence[float]) -> list[float]:
     try:
         return [float(x) for x in np.asarray(f(t, np.array(y)), dtype=float).ravel()]
+    except Refused:  # by an enclosed number, which no float run is given
+        raise NotReproduced(
+            "f keeps a state from call to call: it computes with what an earlier call was given"
+        ) from None
     except Exception as error:  # a user's function may raise anything
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         if isinstance(error, TypeError) and error.__traceback__ and not error.__traceback__.tb_next:
-            raise ValueError(f"f must take (t, y) and return numbers: {said}; see functools.partial") from None
+            held = [*signature(f.func).parameters][2:] if isinstance(f, partial) and f.keywords else []
+            more = f"its parameters are {', '.join(held)}" if held else "see functools.partial"
+            raise ValueError(f"f must take (t, y) and return numbers: {said}; {more}") from None
         raise Refused(f"f fails in floats at t = {t}, on {len(y)} components: {said}") from None

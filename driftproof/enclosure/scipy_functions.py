@@ -1,4 +1,4 @@
-"""Functions of SciPy at enclosed numbers: waves, splines by their parts, and products with sparse matrices."""
+"""Functions of SciPy at enclosed numbers: a wave, splines by their parts, and products with sparse matrices."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from driftproof.enclosure.data import spline_at
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.numbers import Enclosed, exact_value
 
-# SciPy takes waves modulo twice this.
+# SciPy takes the wave modulo twice this.
 _PI = Fraction(np.pi)
 
 
@@ -22,18 +22,10 @@ def _square(t: Enclosed, duty: Any = 0.5) -> Any:
     return 1 if t % (2 * _PI) < _part(duty) * 2 * _PI else -1
 
 
-def _sawtooth(t: Enclosed, width: Any = 1) -> Any:
-    """A rise to 1 on the first part of each period, and a fall to -1 on the rest."""
-    now, w = t % (2 * _PI), _part(width)
-    if w == 1 or (w != 0 and now < w * 2 * _PI):
-        return now / (_PI * w) - 1
-    return (_PI * (w + 1) - now) / (_PI * (1 - w))
-
-
 def _part(given: Any) -> Fraction:
     known = exact_value(given)
     if known is None or not 0 <= known <= 1:
-        raise Refused("f gives a wave of scipy.signal a duty or a width that is no constant from 0 to 1")
+        raise Refused("f gives a wave of scipy.signal a duty that is no constant from 0 to 1")
     return known
 
 
@@ -64,9 +56,8 @@ def _of_special(name: str) -> Callable[[Any], Callable[..., Any]]:
 
 # By the public module and the name.
 OF_SCIPY = {
-    **{("scipy.special", name): _of_special(name) for name in ("erf", "erfc", "expit", "exprel", "xlogy")},
+    **{("scipy.special", name): _of_special(name) for name in ("erf", "erfc", "expit", "exprel")},
     ("scipy.signal", "square"): _at_enclosed(_square),
-    ("scipy.signal", "sawtooth"): _at_enclosed(_sawtooth),
     ("scipy.interpolate", "splev"): _at_enclosed(_splev),
 }
 
@@ -81,28 +72,15 @@ class Sparse:
 
     __array_ufunc__ = None  # so that an array leaves the product to it
 
-    def __init__(self, shape: tuple[int, int], places: Any, numbers: Any, *, products: bool) -> None:
-        """Take rows and columns, and the number at each; `products` if * is that of matrices."""
-        self.shape, self._places, self._numbers, self._products = shape, places, numbers, products
-
-    @classmethod
-    def of(cls, matrix: Any) -> Sparse:
-        """The same matrix."""
+    def __init__(self, matrix: Any, numbers: Any = None) -> None:
+        """Take a matrix of SciPy, with other numbers in its places if these are given."""
         parts = matrix.tocoo()
-        return cls(
-            parts.shape, (parts.row, parts.col), parts.data.tolist(), products="array" not in type(matrix).__name__
-        )
-
-    def _with(self, numbers: Any) -> Sparse:
-        return Sparse(self.shape, self._places, numbers, products=self._products)
-
-    @property
-    def T(self) -> Sparse:
-        """The transpose."""
-        return Sparse(self.shape[::-1], self._places[::-1], self._numbers, products=self._products)
+        self.shape, self._matrix, self._places = parts.shape, matrix, (parts.row, parts.col)
+        self._numbers = parts.data.tolist() if numbers is None else numbers
+        self._products = "array" not in type(matrix).__name__  # if * is that of matrices
 
     def __matmul__(self, x: Any) -> Any:
-        x = x.toarray() if isinstance(x, Sparse) or is_sparse(x) else np.asarray(x)
+        x = np.asarray(x)
         if x.shape[0] != self.shape[1]:
             raise ValueError(f"a matrix of {self.shape[1]} columns times {x.shape[0]} rows")
         x = among((x, self._numbers), x)  # or products of doubles would be rounded
@@ -113,47 +91,19 @@ class Sparse:
 
     dot = __matmul__
 
-    def __rmatmul__(self, x: Any) -> Any:
-        return (self.T @ np.asarray(x).T).T
-
     def __mul__(self, x: Any) -> Any:
         if np.ndim(x) and self._products:
             return self @ x
-        if np.ndim(x) or isinstance(x, Sparse):
+        if np.ndim(x):
             raise Refused("f multiplies a sparse matrix entry by entry, which has no enclosure; @ has one")
-        return self._with([a * x for a in self._numbers])
+        return Sparse(self._matrix, [a * x for a in self._numbers])
 
     def __rmul__(self, x: Any) -> Any:
-        return (self.T * x.T).T if np.ndim(x) else self * x
-
-    def __truediv__(self, x: Any) -> Any:
-        return self * (1 / x)
-
-    def __neg__(self) -> Sparse:
-        return self._with([-a for a in self._numbers])
-
-    def __add__(self, other: Any) -> Any:
-        if not isinstance(other, Sparse):
-            return self.toarray() + other
-        places = tuple(np.concatenate(pair) for pair in zip(self._places, other._places, strict=True))
-        return Sparse(self.shape, places, [*self._numbers, *other._numbers], products=self._products)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> Any:
-        return self + -other
-
-    def __rsub__(self, other: Any) -> Any:
-        return -self + other
+        if np.ndim(x):
+            raise Refused("f multiplies a sparse matrix from the left, which has no enclosure; A @ y has one")
+        return self * x
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
         raise Refused(f"f uses {name} of a sparse matrix, which has no enclosure; products with @ have one")
-
-    def toarray(self) -> Any:
-        """The matrix with its zeros."""
-        made = np.zeros(self.shape, dtype=object)
-        for i, j, a in zip(*self._places, self._numbers, strict=True):
-            made[i, j] = made[i, j] + a
-        return made

@@ -8,6 +8,7 @@ that only rotates (lohner-1987). Points are thin and have many bits, so that all
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count, product, takewhile
@@ -33,6 +34,7 @@ from driftproof.enclosure.steps import (
     fewer_steps,
     linearised,
     obstacle_ahead,
+    require_the_same,
 )
 from driftproof.enclosure.stiff import StiffPath
 from driftproof.support.progress import stage
@@ -76,11 +78,6 @@ class Enclosure:
     doubles: tuple[float, ...]
     changes: tuple[Fraction, ...] = ()
 
-    @property
-    def radius(self) -> arb:
-        """The largest radius of any ball."""
-        return size(x.rad() for state in self.states for x in state)
-
 
 def enclose_solution(
     f: RightHandSide,
@@ -99,6 +96,9 @@ def enclose_solution(
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
         path.pieces = pieces
+        before = list[arb]()
+        with suppress(Refused):  # where f starts on a kink, say
+            before = linearised(function, Clock(Evaluation(span=(times[0], None)), enclose(times[0])), balls)[0]
         try:
             try:
                 states = _states(path, times)
@@ -110,6 +110,9 @@ def enclose_solution(
                 states = _states(path, times)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
             raise Refused("f or the solution is outside the range of doubles") from None
+        finally:
+            if before:
+                require_the_same(function, times[0], balls, before)
         doubles, changes = tuple(sorted(explicit.doubles | path.doubles)), tuple(path.changes)
         return Enclosure(tuple(times), tuple(states), bits, path.steps, doubles, changes)
 

@@ -136,6 +136,16 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
     return evaluation.taken
 
 
+def require_the_same(f: RightHandSide, t: Fraction, y: Sequence[arb], before: Sequence[arb]) -> None:
+    """Raise Refused if f at a point is certainly no longer what it was `before`, by half of a double's digits."""
+    rates, _ = linearised(f, Clock(Evaluation(span=(t, None)), enclose(t)), y, slopes=False)
+    least = arb(2) ** -26 * size([*rates, *before, *y])
+    for j, (x, now) in enumerate(zip(before, rates, strict=True)):
+        if abs(now - x) > least:
+            said = f"component {j} at t = {float(t):.9g} was {float(x):.9g} and is {float(now):.9g} in a later call"
+            raise Refused(f"f keeps a state from call to call, and so is no function of (t, y): {said}")
+
+
 def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> Refused | None:
     """What f refuses on a box ahead that the solution needs the time 16 h to leave, or None: a guess for a message."""
     evaluation, ahead = Evaluation(span=(t, None)), enclose(16 * h) * arb(0.5, 0.5)
@@ -189,6 +199,7 @@ class Expansion:
                 if (made := self._attempt(h, spread)) is not None:
                     self.jumped = h == cut
                     self.cut = self.jumped or change is not None
+                    self._require_the_same()
                     return made
             except TimeCut as found:
                 h = cut = found.at - self.t
@@ -203,10 +214,15 @@ class Expansion:
             elif (nearer := next(before_it, None)) is not None:
                 h = nearer
             elif change < nearest:
+                self._require_the_same()
                 raise Crossing(reason, change)
             else:
                 h, change = change / 4, None
+        self._require_the_same()
         raise Refused(f"no step from t = {float(self.t):.9g}, however short, could be proved: {reason}", self.t)
+
+    def _require_the_same(self) -> None:
+        require_the_same(self.f, self.t, [row[0] for row in self.rows], [row[1] for row in self.rows])
 
     def _size(self, values: Iterable[arb]) -> arb:
         """The weighted norm."""

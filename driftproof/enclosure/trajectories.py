@@ -32,7 +32,7 @@ _DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
 class Trajectory:
     """Increasing times, and a row of floats at each; `unit` is 2⁻²⁴ if all numbers are binary32 numbers, else 2⁻⁵³.
 
-    `said` tells how the columns of a file were read, where that is not plain from their names.
+    `said` tells how the columns of a file were read, where that is not plain from their names, or that a solver failed.
     """
 
     times: list[float]
@@ -51,11 +51,21 @@ def has_trajectory(solution: object) -> bool:
     return any(all(hasattr(solution, name) for name in pair) for pair in (("t", "y"), ("ts", "ys")))
 
 
+def failure_of(solution: object) -> str:
+    """What a result of SciPy says of a run that its solver could not finish; an empty string of any other."""
+    finished = getattr(solution, "success", True)
+    if finished or not isinstance(finished, bool | np.bool_):
+        return ""
+    why = " ".join(str(getattr(solution, "message", "")).split()).rstrip(".") or "it gives no reason"
+    return f"the solver failed: {why}; its run ends at t = {np.ravel(getattr(solution, 't', np.nan))[-1]:.9g}"
+
+
 def trajectory_of(t: Any, y: Any = None) -> Trajectory:
     """The trajectory of times and rows or, without y, of a solver's result. Raises Refused if it is no trajectory.
 
     If rows do not fit, y may have a column for each time. Trailing times of inf, with which diffrax pads, are dropped.
     """
+    said = failure_of(t) if y is None else ""
     if y is None:
         if not has_trajectory(t):
             raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y as two arguments")
@@ -77,7 +87,7 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
             raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}{how}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
-    return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT)
+    return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT, said)
 
 
 def _unfilled(ts: Any, ys: Any) -> tuple[Any, Any]:

@@ -131,10 +131,12 @@ def field_of_table(table: TomlTable) -> VectorField:
     unknowns = tuple(rates) if isinstance(rates, dict) else ()
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
-    except MethodError as error:
-        if isinstance(rates, list):
+    except ValueError as error:
+        if isinstance(rates, list) and (isinstance(error, MethodError) or "'" in "".join(map(str, rates))):
             more = "for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
             raise MethodError(f"{error}; {more}") from None
+        if not isinstance(error, MethodError):
+            raise
         raise MethodError(VectorField(("0",), (), unknowns).in_own_words(str(error))) from None
     pi = "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters)
     return VectorField(field.rates, (*field.parameters, *[("pi", PI)] * pi), unknowns)

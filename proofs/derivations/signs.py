@@ -1,4 +1,4 @@
-"""Signs of polynomials on intervals, decided by counting roots (Sturm) and not by sampling."""
+"""Signs, decided and not sampled: of polynomials on intervals, by counting roots (Sturm), and of cosines by Taylor."""
 
 from __future__ import annotations
 
@@ -29,6 +29,18 @@ def is_positive_between(polynomial: StepPolynomial, low: Fraction, high: Fractio
     """
     inner = (low + high) / 2 if high is not None else low + 1
     return not roots_between(polynomial, low, high) and at_rational(polynomial, inner) > 0
+
+
+def rises_from_zero(difference: sympy.Expr, at: sympy.Symbol) -> bool:
+    """True if the `difference` is positive wherever the symbol is, because one derivative is 1 - cos and all before 0.
+
+    All before vanish at 0. As 1 - cos is positive but at isolated points, so is, from the last of them on, each.
+    """
+    while difference != 0 and difference.subs(at, 0) == 0:
+        if sympy.expand(difference - 1 + sympy.cos(at)) == 0:
+            return True
+        difference = difference.diff(at)
+    return False
 
 
 def in_square_of_h(polynomial: StepPolynomial) -> StepPolynomial:

@@ -23,3 +23,8 @@ def off(found, exact):
     """How far the last value is from a Fraction."""
     with ctx.workprec(160):
         return abs(found.states[-1][0] - enclose(exact))
+
+
+def widest(found):
+    """The largest radius of any ball."""
+    return max(x.rad() for state in found.states for x in state)

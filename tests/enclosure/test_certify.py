@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
@@ -19,6 +20,7 @@ from driftproof import Refused, assert_accurate, certify
 from driftproof.enclosure import certify as module
 from driftproof.support import progress
 from tests.enclosure.right_hand_sides import pendulum, rk4
+from tests.looping import exactly
 
 TIMES = np.linspace(0.0, 2.0, 5)
 
@@ -81,6 +83,17 @@ def test_text_stands_for_a_function_with_exact_numbers():
         assert not found.errors[-1][0].overlaps(arb(y[-1, 0]) - (-arb(0.1) * t).exp())
 
 
+def test_the_run_of_a_solver_that_failed_is_not_asserted_and_its_certificate_says_so():
+    integrate = pytest.importorskip("scipy.integrate")
+    lost = integrate.solve_ivp(lambda t, y: -0.1 * y if t < 1 else [np.nan], (0, 2), [1.0], rtol=1e-9)
+    said = r"the solver failed: Required step size is less than spacing between numbers; its run ends at t = (0\.9|1)"
+    with pytest.raises(AssertionError, match=said):
+        assert_accurate(lost, decay, 1e-6)
+    assert_accurate((lost.t, lost.y), decay, 1e-6)
+    for words in exactly(2, ((found := certify(decay, lost)).text(), found.record()["said"])):
+        assert re.search(said, words)
+
+
 def test_accuracy_is_asserted_with_the_worst_point():
     y = classical(decay, TIMES, [1.0])
     y[3] += 1e-6
@@ -96,18 +109,34 @@ def test_accuracy_is_asserted_with_the_worst_point():
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
 
 
+REMOVABLE = {
+    "exprel": (
+        lambda t, y: [1 + y[0] / (1 - math.exp(-y[0]))],
+        lambda t, y: [1 + 1 / pytest.importorskip("scipy.special").exprel(-y[0])],
+        lambda y: y / (1 - mpmath.exp(-y)),
+    ),
+    "sinc": (
+        lambda t, y: [1 + np.sin(np.pi * y[0]) / (np.pi * y[0])],
+        lambda t, y: [1 + np.sinc(y[0])],
+        lambda y: mpmath.sinc(mpmath.pi * y),
+    ),
+}
+
+
 @pytest.mark.slow
-def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_exprel():
-    """y' = 1 + y/(1 - exp(-y)) crosses y = 0 smoothly, where Hodgkin's and Huxley's rates have such quotients."""
-    special = pytest.importorskip("scipy.special")
+@pytest.mark.parametrize("name", REMOVABLE)
+def test_a_removable_0_by_0_is_named_and_enclosed_if_it_is_written_as_a_function(name):
+    """y crosses 0 smoothly, where Hodgkin's and Huxley's rates have such quotients."""
+    quotient, written, wanted = REMOVABLE[name]
     run = [0.0, 0.5, 1.0], [[-1.0], [-0.1], [1.0]]
-    with pytest.raises(
-        Refused, match=r"^f divides 0, or nearly 0, by 0 near t = 0\.5651.*; where that is no pole.*exprel"
-    ):
-        certify(lambda t, y: [1 + y[0] / (1 - math.exp(-y[0]))], *run)
-    found = certify(lambda t, y: [1 + 1 / special.exprel(-y[0])], *run)
+    said = rf"^f divides 0, or nearly 0, by 0 near t = 0\.[56]\d*; where that is no pole.*{name}"
+    with pytest.raises(Refused, match=said):
+        certify(quotient, *run)
+    with pytest.raises(Refused, match=said), np.errstate(all="ignore"):
+        certify(lambda t, y: [np.sin(t - 0.5) / np.subtract(t, 0.5)], *run)
+    found = certify(written, *run)
     with mpmath.workdps(30), ctx.workprec(128):
-        rate = lambda t, y: [1 + (y[0] / (1 - mpmath.exp(-y[0])) if y[0] else 1)]
+        rate = lambda t, y: [1 + (wanted(y[0]) if y[0] else 1)]
         true = mpmath.odefun(rate, 0, [mpmath.mpf(-1)], tol=mpmath.mpf("1e-22"))(1)[0]
         assert abs(found.errors[2][0] - (1 - arb(mpmath.nstr(true, 28)))) < 1e-18
 

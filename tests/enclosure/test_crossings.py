@@ -21,6 +21,7 @@ from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.integrals import widest
 from tests.enclosure.mutants import mutant
 from tests.looping import exactly
 
@@ -58,23 +59,18 @@ CROSSING = {
     "the modulus": (lambda t, y: [abs(y[0]) + 1], [-1], 2, lambda t: [t.exp() / 2 - 1]),
     "the maximum": (lambda t, y: [np.maximum(y[0], 0) + 1], [-1], 2, lambda t: [(t - 1).exp() - 1]),
     "arrays": (lambda t, y: np.where(y > 0, y + 1, 1.0), [-1], 2, lambda t: [(t - 1).exp() - 1]),
-    "drag over the top": (drag, [0, 20], 4, lambda t: fallen(t, 20)),
     "drag from rest": (drag, [0, 0], 4, lambda t: fallen(t, 0)),
     "from rest beside what is large": (
         lambda t, y: [y[1], 1 + 4 * y[0] ** 2 - y[1] ** 3 * abs(y[1]), 0 * y[2]], [0, 0, 10**4], 1,
         lambda t: [t * t / 2, t, arb(10**4)],
     ),
     "a relay, seven times": (lambda t, y: [y[1], -np.sign(y[0])], [1, 0], 20, swung),
-    "signs of arrays": (lambda t, y: np.array([y[1], -np.sign(y)[0]]), [1, 0], 4, swung),
     "a rectifier": (lambda t, y: [np.maximum(np.sin(t), 0)], [0], 8, lambda t: [rectified(t)]),
     "what moves the same way": (
         lambda t, y: [1.0, 0.5, 1.0 if y[0] > y[1] else 0.0], [0, 1, 0], 4, lambda t: [arb(4), arb(3), arb(2)],
     ),
     "the time itself": (lambda t, y: [0.5, 1.0 if y[0] > t else 0.0], [1, 0], 4, lambda t: [arb(3), arb(2)]),
     "opposite comparisons": (lambda t, y: [(y[0] < 1) * 1.0 + (y[0] >= 1) * 0.25], [0], 3, lambda t: [arb(1.5)]),
-    "what no other case is": (
-        lambda t, y: [np.select([y[0] < 1, y[0] >= 1], [1.0, 0.25])], [0], 3, lambda t: [arb(1.5)],
-    ),
     "a table": (lambda t, y: [[1.0, 2.0, 4.0][int(y[0])]], [0.5], 1, lambda t: [arb(2)]),
     "a floor": (lambda t, y: [1.0 + np.floor(y[0]), 1.0], [0.5, 0], 1, lambda t: [arb(2), arb(1)]),
     "a falling floor": (lambda t, y: [-1.0 - math.floor(y[0])], [2.5], 0.5, lambda t: [arb(4) / 3]),
@@ -108,9 +104,6 @@ ROOTS = {
     ),
     "roots from the border on": (
         lambda t, y: [1.0, 1 + np.sqrt(max(y[0], 0))], [0, 0], 1, lambda t: [t, t + 2 * t.sqrt() ** 3 / 3],
-    ),
-    "a root of the size": (
-        lambda t, y: [1.0, abs(y[0]) ** 1.5], [-1, 0], 2, lambda t: [arb(1), arb(4) / 5],
     ),
     "a root that becomes real": (
         lambda t, y: [1.0, np.sqrt(max(y[0], 0))], [-1, 0], 2, lambda t: [arb(1), arb(2) / 3],
@@ -229,7 +222,7 @@ def test_random_solutions_that_cross_are_enclosed(first, count):
             found = enclose_solution(f, [Fraction(-3)], [Fraction(0), end])
             with ctx.workprec(200):
                 assert abs(found.states[-1][0] - arb(mpmath.nstr(true, 55))).contains(0)
-                assert found.radius < 1e-28
+                assert widest(found) < 1e-28
 
 
 def test_time_of_a_crossing_that_is_asked_for_is_in_its_window():
@@ -329,7 +322,7 @@ def test_elastic_contact_keeps_its_energy():
     """Hertz's law, v' = -9.81 + 1000 d^(3/2) at the depth d, over two impacts: v²/2 + 9.81 x + 400 d^(5/2) is kept."""
     contact = lambda t, y: [y[1], 1000 * max(0, -y[0]) ** 1.5 - 9.81]
     found = enclose_solution(contact, [Fraction(1, 10), Fraction(0)], [Fraction(0), Fraction(1, 4), Fraction(1, 2)])
-    assert found.radius < 1e-25
+    assert widest(found) < 1e-25
     with ctx.workprec(BITS):
         for (x, v), below in exactly(2, zip(found.states[1:], (True, False), strict=True)):
             energy = v**2 / 2 + arb(9.81) * x + (400 * (-x).sqrt() ** 5 if below else 0)

@@ -191,7 +191,7 @@ def choosing(t, y):
     """Constants that are chosen are compared and rounded as such."""
     index, largest = max(enumerate(y), key=lambda pair: pair[1])
     known = [np.sign(y[0]) == 1, np.maximum(-y[0], 0) == 0, np.heaviside(y[0], 0.5) >= 1, np.clip(y[0], 0, 0.5) == 0.5]
-    return [largest * index, y[[1, 0][int(np.clip(3 * y[0] + 2, 0, 1))]] * sum(known) + divmod(2.0, y[0])[1]]
+    return [largest * index, y[[1, 0][int(np.clip(3 * y[0] + 2, 0, 1))]] * sum(known) + divmod(y[0], 2.0)[1]]
 
 
 def of_constants(t, y):
@@ -290,6 +290,7 @@ def into_a_buffer(t, y):
         (lambda t, y: y.astype(float), "f converts a number to a float in '(lambda t, y: y.astype(float)"),
         (lambda t, y: [y[0]], "f returns 1 numbers for 2 components"),
         (lambda t, y: [y[5], 0], "f fails on enclosed numbers: IndexError"),
+        (lambda t, y: [{1.0: 2.0}[t], 0], "f looks numbers up by their value, as in a dict"),
         (lambda t, y: [None, y[0]], "f uses a NoneType as a number"),
     ],
     ids=lambda x: x if isinstance(x, str) else "",

@@ -10,6 +10,7 @@ import pytest
 from flint import arb, arb_series, ctx
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Replay
+from driftproof.enclosure.functions import quotient_of
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, series
 from tests.enclosure.test_numbers import ball
@@ -18,6 +19,7 @@ FUNCTIONS = {
     **dict.fromkeys(("sin", "cos", "tan", "exp", "log", "sqrt", "arctan", "arcsin", "arccos", "sinh", "cosh"), 0.3),
     **dict.fromkeys(("tanh", "expm1", "log1p", "log2", "log10", "cbrt", "radians", "degrees", "square"), 0.4),
     **{"erf": 0.3, "erfc": 0.3, "reciprocal": 0.7, "absolute": -0.7, "negative": 0.2, "deg2rad": 0.3, "rad2deg": 0.3},
+    "exprel": 0.3,
 }
 
 
@@ -54,24 +56,35 @@ def test_whole_power_of_a_series_that_may_be_zero_is_finite():
     assert all(x.is_finite() for x in (ball(arb(0, 1), 1) ** 2).partials.values())
 
 
-def test_exprel_is_enclosed_at_0_around_it_and_where_it_is_a_quotient():
-    """(exp x - 1)/x and its derivative: 1 and 1/2 at 0; series of it are those of the values near by."""
-    special = pytest.importorskip("scipy.special")
-    exact = lambda x: mpmath.expm1(x) / x if x else mpmath.mpf(1)
-    slope = lambda x: (mpmath.exp(x) - exact(x)) / x if x else mpmath.mpf(1) / 2
+QUOTIENTS = {
+    "exprel": (
+        lambda x: mpmath.expm1(x) / x if x else mpmath.mpf(1),
+        lambda x: (x * mpmath.exp(x) - mpmath.expm1(x)) / x**2 if x else mpmath.mpf(1) / 2,
+    ),
+    "sinc": (
+        lambda x: mpmath.sin(x) / x if x else mpmath.mpf(1),
+        lambda x: (x * mpmath.cos(x) - mpmath.sin(x)) / x**2 if x else mpmath.mpf(0),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", QUOTIENTS)
+def test_quotients_are_enclosed_at_0_around_it_and_where_they_are_quotients(name):
+    """Their series are those of the values near by."""
+    exact, slope = QUOTIENTS[name]
     with mpmath.workdps(40), ctx.workprec(100):
         for middle, radius in product((-3, -1, 0, 0.5, 1, 40), (0, 0.25, 2)):
-            found = special.exprel(Enclosed(Evaluation(), arb(middle, radius), {0: arb(1)}))
+            found, rate = (quotient_of(arb(middle, radius), name, slope=each) for each in (False, True))
             for x in (middle - radius, middle, middle + radius):
-                assert found.value.overlaps(arb(mpmath.nstr(exact(x), 38), 1e-30))
-                assert found.partials[0].overlaps(arb(mpmath.nstr(slope(x), 38), 1e-30))
-            assert radius or abs(found.partials[0] - arb(mpmath.nstr(slope(middle), 38))) < 1e-10
-            assert radius or found.value.rad() < 1e-10
+                assert found.overlaps(arb(mpmath.nstr(exact(x), 38), 1e-30))
+                assert rate.overlaps(arb(mpmath.nstr(slope(x), 38), 1e-30))
+            assert radius or abs(rate - arb(mpmath.nstr(slope(middle), 38))) < 1e-10
+            assert radius or found.rad() < 1e-10
         with pytest.raises(Refused, match="wide range"):
-            special.exprel(Enclosed(Evaluation(), arb(0, 1000)))
+            quotient_of(arb(0, 1000), name)
         cap, ctx.cap = ctx.cap, 8
         for middle in (0, 0.75, 2):
-            series_of = special.exprel(series(Evaluation(), [arb(middle), arb(1)], 8)).value
+            series_of = quotient_of(series(Evaluation(), [arb(middle), arb(1)], 8).value, name)
             at = sum((arb(series_of[k]) * arb("1e-3") ** k for k in range(8)), arb(0))
             assert abs(at - arb(mpmath.nstr(exact(middle + mpmath.mpf("1e-3")), 38))) < 1e-27
         ctx.cap = cap

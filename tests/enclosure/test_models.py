@@ -7,7 +7,7 @@ from flint import acb, acb_poly, arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure import models
 from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.functions import exprel_of
+from driftproof.enclosure.functions import quotient_of
 from driftproof.enclosure.models import TaylorModel, value_at
 from tests.enclosure.mutants import mutant
 
@@ -115,13 +115,15 @@ def test_pole_in_the_disc_is_refused():
 
 @pytest.mark.parametrize("curve", [(0.0, 0.25), (0.3, 0.5, -0.25), (-0.5, 0.125), (3.0, 0.25)])
 @pytest.mark.parametrize("tail", [0, 2.0**-6])
-def test_exprel_of_a_model_is_held_on_the_disc_also_where_it_is_0_by_0(curve, tail):
+@pytest.mark.parametrize("name", ["exprel", "sinc"])
+def test_quotient_of_a_model_is_held_on_the_disc_also_where_it_is_0_by_0(curve, tail, name):
     with ctx.workprec(128):
         coefficients = [*map(arb, curve), *[arb(0)] * (LENGTH - len(curve))]
         model, x = TaylorModel(coefficients, LENGTH, arb(tail)), acb_poly([*coefficients, tail])
-        exprel = lambda z: (z.exp() - 1) / z
-        for slope, theirs in ((False, exprel), (True, lambda z: (z.exp() - exprel(z)) / z)):
-            found = exprel_of(model, slope=slope)
+        whole = lambda z: z.sin() / z if name == "sinc" else (z.exp() - 1) / z
+        rate = lambda z: ((z.cos() if name == "sinc" else z.exp()) - whole(z)) / z
+        for slope, theirs in ((False, whole), (True, rate)):
+            found = quotient_of(model, name, slope=slope)
             points = [(acb(0, arb.pi() * (k + 0.5) / 6)).exp() for k in range(12)]
             away = [abs(theirs(x(z)) - acb_poly(found.polynomial.coeffs())(z)) for z in points]
             assert not any(each > found.tail for each in away)

@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from driftproof import certify
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.problem_tables import problem_table
@@ -49,6 +50,12 @@ OTHERS = {
     "clocked": Clocked(),
     "noise": lambda t, y: [NOISE.uniform() - y[0]],
 }
+
+
+@pytest.mark.parametrize("kind", [Breaker, Clocked])
+def test_a_state_that_is_kept_and_seen_only_on_enclosed_numbers_is_the_reason(kind):
+    with pytest.raises(Refused, match=r"^f keeps a state from call to call[,:]"):
+        certify(kind(), [0.0, 0.01], [[1.0], [1.01]])
 
 
 @pytest.mark.parametrize("name", OTHERS)

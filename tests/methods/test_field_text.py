@@ -166,6 +166,7 @@ REFUSED_TABLES = [
         for x in ("y/2(1-y)", "y^2t", "2^-3y", "y 2", "2 erf(y)")
     ),
     ({"rates": ["-4x"]}, r"'x' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
+    ({"rates": ["x' = v", "v' = -x"]}, r"column 2: \"'\" is not allowed.*; for names of your own: rates\.x"),
     ({"rates": ["-e*y"]}, r"'e' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
     ({"rates": {"x": "v", "v": "-e*x"}}, r"rate 1, '-e \* x': 'e' is not allowed; write \+ - \* / with t, x, v$"),
     ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' cannot name an unknown"),

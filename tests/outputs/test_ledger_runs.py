@@ -111,37 +111,28 @@ def test_the_claim_that_contributing_adds_stands_in_the_ledger_and_a_wrong_one_f
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     ((path, added),) = re.findall(r"end of `(proofs/.*?)` is\n\n```python\n(.*?\n)```", page, re.DOTALL)
     shutil.copytree(ROOT / "proofs", tmp_path / "proofs", ignore=shutil.ignore_patterns("__pycache__"))
+    claimed = re.findall(r'"L(\d{3})"', "".join(map(Path.read_text, (ROOT / "proofs").glob("test_*.py"))))
+    following = f"L{max(249, *map(int, claimed)) + 1}"  # of the claims that there are, the example's among them or not
     for name in ("conftest.py", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
     with (tmp_path / path).open("a", encoding="utf-8") as file:
-        file.write("\n\n" + added.replace("** 2\n", f"{power}\n"))
+        file.write("\n\n" + added.replace("** 2\n", f"{power}\n").replace("L250", following))
     done = run_proofs("-k", "two_steps_of_forward_euler", plugins=ROOT, folder=tmp_path)
-    (line,) = re.findall(r"^L250 .*expand +Two steps of forward Euler multiply.*", done.stdout, re.MULTILINE)
+    (line,) = re.findall(rf"^{following} .*expand +Two steps of forward Euler multiply.*", done.stdout, re.MULTILINE)
     assert line.split()[1] == standing
-    shown = [shown.split() for shown in page.splitlines()]  # whose columns are as wide as those of all claims
-    assert (line.split() in shown) == (standing == "failed")
+    shown = page.replace("L250", following).splitlines()  # whose columns are as wide as those of all claims
+    assert (line.split() in map(str.split, shown)) == (standing == "failed")
 
 
-# The default run plants its error in two files of proofs, in one process. The long tier runs them all: whole in two
-# processes, whose ledgers have to become one, and whole with the error, which printed values and diagrams notice, too.
+# The default run plants its error in two files of proofs, in one process. The long tier runs them all, in two
+# processes, whose ledgers have to become one.
 @pytest.mark.long
 def test_two_processes_keep_one_ledger_and_change_no_value():
     before = digest()
     done = run_proofs("-n", "2")
     assert done.returncode == 0
-    assert "228 claims: 152 PROVED, 11 RESTRICTED" in done.stdout
+    ledger = (ROOT / "proofs" / "ledger.md").read_text(encoding="utf-8")
+    assert re.search(r"^\d+ claims: .*(?=\.$)", ledger, re.MULTILINE)[0] in done.stdout
     assert "not run" not in done.stdout
     assert "values.json and ledger.md are up to date" in done.stdout
-    assert digest() == before
-
-
-@pytest.mark.long
-def test_planted_error_fails_the_claims_it_touches_and_publishes_nothing(planted):
-    before = digest()
-    done = run_proofs("-p", "planted_error", plugins=planted)
-    assert done.returncode != 0
-    standing = standings(done)
-    assert [standing[key] for key in ("L080", "L089", "L059", "L176", "L187")] == ["failed"] * 5
-    assert [standing[key] for key in ("L036", "L052", "L112")] == ["PROVED"] * 3
-    assert "values.json not written" in done.stdout
     assert digest() == before

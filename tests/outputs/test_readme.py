@@ -43,6 +43,17 @@ def test_map_names_every_folder_of_the_house():
     assert folders == named
 
 
+def test_claims_are_counted_as_the_ledger_has_them():
+    ledger = (ROOT / "proofs" / "ledger.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([LT])\d+ \|.*\| ([A-Z]+) \|[^|]*\|[^|]*\| ([^|]*) \|$", ledger, re.MULTILINE)
+    assert f"makes {sum(letter == 'L' for letter, *_ in rows)}\nstatements" in README
+    by_coq = [coq for _, evidence, coq in some(rows, 200) if evidence in ("PROVED", "RESTRICTED", "CERTIFIED")]
+    for page in (README, (ROOT / "docs" / "kernel.md").read_text(encoding="utf-8")):
+        assert f"{sum(coq != '-' for coq in by_coq)} of the {len(by_coq)}" in page
+    parts = [coq for coq in by_coq if "in part" in coq]
+    assert f"certified, {({4: 'four', 5: 'five', 6: 'six'})[len(parts)]} in part" in README
+
+
 def test_it_is_short():
     """Seven hundred words, blocks of code and sessions apart."""
     prose = re.sub(r"```.*?```", "", README, flags=re.DOTALL)

@@ -88,20 +88,6 @@ def test_wrong_coefficient_does_not_pass_for_a_limit() -> None:
     assert not left[1] < left[0] / 9
 
 
-COEFFICIENTS = {
-    "forward_euler": (2, [Q(1, 2), 0, 0, Q(1, 2)]),
-    "symplectic_euler": (2, [Q(-1, 2), 0, 0, Q(1, 2)]),
-    "rk4": (5, [0, Q(-1, 120), Q(1, 120), 0]),
-}
-
-
-@pytest.mark.parametrize("key", COEFFICIENTS)
-def test_local_error_coefficient_is_the_difference_of_taylor_coefficients(key: str) -> None:
-    power_, flat = COEFFICIENTS[key]
-    rationals = [sympy.Rational(Q(x).numerator, Q(x).denominator) for x in flat]
-    assert local_error(one_step_matrix(NINE[key])) == LocalError(power_, sympy.ImmutableMatrix(2, 2, rationals))
-
-
 @given(st.integers(2, 12))
 def test_truncated_exact_flow_has_an_order_one_below_its_first_missing_power(terms: int) -> None:
     local = local_error(exact_flow_series(terms))

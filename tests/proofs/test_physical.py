@@ -1,4 +1,4 @@
-"""The spring with units, and the normalised oscillator it becomes."""
+"""The normalised oscillator that a spring becomes."""
 
 from __future__ import annotations
 
@@ -6,19 +6,8 @@ import pytest
 import sympy
 
 from driftproof.symbolic.derivation.one_step import entries, expression, one_step_matrix
-from proofs.derivations.physical import Spring, one_step_with_frequency
+from proofs.derivations.physical import one_step_with_frequency
 from tests.nine import NINE
-
-m, k, L, x, u, h = sympy.symbols("m k L x u h", positive=True)
-SPRING = Spring(m, k, L)
-
-
-def test_normalised_state_and_energy_have_the_units_taken_out() -> None:
-    q, v = SPRING.state(x, u)
-    assert sympy.simplify(SPRING.energy(x, u) - k * L**2 * (q**2 + v**2) / 2) == 0
-    assert sympy.simplify(SPRING.energy(x, u) - k * L * (q**2 + v**2) / 2) != 0
-    assert sympy.simplify(SPRING.omega**2 - k / m) == 0
-    assert SPRING.duration(h) * SPRING.omega == h
 
 
 @pytest.mark.parametrize("key", NINE)

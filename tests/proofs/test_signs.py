@@ -6,11 +6,12 @@ from fractions import Fraction as Q
 from math import prod
 
 import pytest
+import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.symbolic.derivation.one_step import RING, H, rational
-from proofs.derivations.signs import in_square_of_h, is_positive_between, roots_between
+from proofs.derivations.signs import in_square_of_h, is_positive_between, rises_from_zero, roots_between
 
 ROOTS = st.lists(st.fractions(-5, 5, max_denominator=6), max_size=5)
 ENDS = st.none() | st.fractions(-6, 6, max_denominator=6)
@@ -44,6 +45,13 @@ def test_root_between_ends_a_hair_apart_is_seen() -> None:
     near = Q(1) + Q(1, 10**50)
     assert roots_between((H - 1) * (H - rational(near)), Q(1), near) == 0
     assert roots_between(2 * H - 1 - rational(near), Q(1), near) == 1
+
+
+def test_difference_to_a_taylor_polynomial_of_the_cosine_rises_from_zero_on_one_side_only() -> None:
+    x = sympy.Symbol("x")
+    above = sympy.cos(x) - 1 + x**2 / 2
+    for difference, rises in ((above, True), (-above, False), (above + 1, False), (x**4 / 24 - above, True)):
+        assert rises_from_zero(difference, x) is rises
 
 
 def test_constant_has_no_roots_and_zero_has_no_count() -> None:

@@ -26,8 +26,6 @@ from driftproof.symbolic.additive import AdditiveFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(2, 9)
-# A method that differs in more entries than this is another one.
-_FEW_DIFFERENCES = 2
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
 # residual; errors below the second number do not matter.
 _SOLVER, WELL_SOLVED = 64, 2.0**-30
@@ -65,31 +63,20 @@ class ImexIdentity(WithEstimate):
         return found
 
     @property
-    def near(self) -> str:
-        """The nearest method, with the few entries that differ or its functions exchanged; "" if there is none."""
-        turned = replace(self.reading, a=self.reading.a[::-1], b=self.reading.b[::-1])
-        if exchanged := next((m.key for m in _methods() if _differences(m, turned) == []), ""):
-            return f"{exchanged} with its functions exchanged: it solves for the one that it takes as explicit"
-        told = ((m.key, _differences(m, self.reading)) for m in _methods())
-        few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
-        key, found = min(few, key=lambda each: len(each[1]), default=("", []))
-        return f"{key} except for {'; '.join(found)}" if found else ""
-
-    @property
     def key(self) -> str | None:
         """The catalogue key of the method, if it has no fault; else None."""
         return self.known if self.known and not self.faults else None
 
     @property
     def named(self) -> bool:
-        """True if the verdict names a method, exactly or nearly."""
-        return bool(self.known or self.near)
+        """True if the verdict names a method."""
+        return bool(self.known)
 
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
-        name = self.known or self.near or unknown
+        name = self.known or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > WELL_SOLVED else ""
         words = f"it is {name}" + (solved if self.known else f", {self._orders[0]}")
         return "; ".join([words, *self.faults, *self.of_estimate(None)])
@@ -104,7 +91,6 @@ class ImexIdentity(WithEstimate):
         """Both tables as lines, for the method with this key, or for none if it is ""."""
         reading, slack = self.reading, self.reading.rounding.of(1.0)
         named = f"{key}: every entry within {slack:.1e}, the accuracy of its stage solver"
-        nearest = [f"nearest: {self.near}"] if not key and self.near else []
         rows: list[tuple[str, CoefficientRow]] = [] if reading.c is None else [("c", reading.c)]
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             rows += [(f"a_{part}[{i}]", row[: i + 1]) for i, row in enumerate(a) if any(row)]
@@ -112,7 +98,7 @@ class ImexIdentity(WithEstimate):
         texts = [f"{name} = {', '.join(coefficient_text(x, reading.format, slack) for x in row)}" for name, row in rows]
         curved = f"a step on nonlinear functions agrees with these stages to {reading.curved:.1e}"
         first = named if key else "no IMEX method of the catalogue"
-        return [first, *nearest, *texts, curved, *([] if reading.c else ["it receives no time"])]
+        return [first, *texts, curved, *([] if reading.c else ["it receives no time"])]
 
     @property
     def _orders(self) -> list[str]:

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from driftproof.blackbox.families.rotations import BETWEEN_ANGLES, TURN_ANGLES, Turn, turn_of
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.turning import turn_quaternion
+from driftproof.blackbox.stepper.turning import Course, turn_quaternion
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import Json
 
 # Two unit vectors, exact to one rounding, with no two components alike: a step must not prefer one.
 _AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
 # The relative error allowed in a rate that is read from a short step, which errs by O(h) and by u/h.
 _NEAR = 2.0**-6
+_MISTIMED = "where omega depends on t, it is no step of {} nor of another known method, as with other stage times"
+# Where omega is a function of t, a step of 1 begins here.
+_LATER = 0.5
 # So small that codes may leave it out, though it turns by 2^28 u.
 _SLIGHT = 2.0**-24
 
@@ -47,7 +52,8 @@ class QuaternionReading:
     """The step a + b G, where G is the matrix of a `product` with omega/|omega|; `turn` is a + ib at h |omega|/2.
 
     `product` is "" if the rate is no product. `normalised` is true if the result always has length 1. `uneven` says in
-    words what else the step depends on, `at_rest` that it moves with omega = 0.
+    words what else the step depends on, `at_rest` that it moves with omega = 0. `driven` is the step where omega is a
+    function of t, if it may be one, and `mistimed` says that this is a step of no known method.
     """
 
     product: str
@@ -55,10 +61,16 @@ class QuaternionReading:
     normalised: bool
     uneven: str
     at_rest: str = ""
+    driven: tuple[tuple[float, ...], ...] = ()
+    mistimed: str = ""
 
     @property
     def faults(self) -> list[str]:
         """The faults, whatever method it is meant to be."""
+        return [*self._of_rate, *filter(None, [self.mistimed])]
+
+    @property
+    def _of_rate(self) -> list[str]:
         found, scale = [*filter(None, [self.uneven, self.at_rest])], self.turn.scale
         if not self.uneven and scale != 1:
             half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 appears twice"}.get(scale, "")
@@ -86,6 +98,7 @@ class QuaternionReading:
         name += "," * self.turn.normalised
         order = self.turn.order
         measured = f", of order {order}" if order and not self.turn.known else ""
+        rate += ", omega constant" * (not self.driven)
         return "; ".join([f"it is {name} of {rate}{measured}", *self.faults])
 
     @property
@@ -107,8 +120,29 @@ class QuaternionReading:
 
     def criteria(self, method: object) -> list[Criterion]:
         """The criteria of a method: the rotation, and a rate without faults."""
-        rate = tuple(self.faults) or (f"that of q' = {self.product.replace(' (', '/2 (')}",)
-        return [self.turn.held_to(method, self.normalised), Criterion("Rate", not self.faults, rate, {})]
+        rate = tuple(self._of_rate) or (f"that of q' = {self.product.replace(' (', '/2 (')}",)
+        checks = [self.turn.held_to(method, self.normalised), Criterion("Rate", not self._of_rate, rate, {})]
+        if not self.driven or not all(check.passed for check in checks):
+            return checks
+        same = self.is_of(method)
+        words = (
+            f"where omega depends on t, the step is {'that' if same else 'not that'} of {getattr(method, 'key', '')}"
+        )
+        return [*checks, Criterion("Stage times", same, (words,), {})]
+
+    def is_of(self, method: object) -> bool:
+        """True if the step at an angular velocity that depends on t is that of a Runge-Kutta method."""
+        if not isinstance(method, RungeKutta | Collocation):
+            return False
+        a, b, c = (np.array(part, dtype=np.float64) for part in exact_tableau(method))
+        sign, product = (-1, self.product[1:]) if self.product[0] == "-" else (1, self.product)
+        rates = [sign / 2 * _matrix(_AXES[0] + (_LATER + x) * _AXES[1], product) for x in c]
+        # K_i = A(c_i) (1 + sum of a_ij K_j) for all stages at once.
+        within = np.block([[x * rate for x in row] for rate, row in zip(rates, a, strict=True)])
+        slopes = np.linalg.solve(np.eye(4 * len(b)) - within, np.vstack(rates)).reshape(-1, 4, 4)
+        said = np.eye(4) + np.tensordot(b, slopes, 1)
+        said = said / np.linalg.norm(said, axis=0) if self.normalised else said
+        return bool(np.max(np.abs(said - np.array(self.driven))) <= self.turn.rounding.of(8.0))
 
 
 def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
@@ -124,7 +158,26 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
         uneven = f"with h |omega| = {_SLIGHT:.3g} it does not turn as with larger ones"
     if scale < 0:
         product, factors = f"-{product}", [r.conjugate() for r in factors]
-    return QuaternionReading(product, turn_of(factors, rounding), normalised, uneven, _at_rest(subject))
+    reading = QuaternionReading(product, turn_of(factors, rounding), normalised, uneven, _at_rest(subject))
+    course = Course(_LATER, _AXES[1].tolist())
+    driven, still = (_columns(subject, _AXES[0], 1.0, each) for each in (course, Course(_LATER)))
+    if (driven == still).all():
+        return reading
+    timed = _timed(replace(reading, driven=tuple(map(tuple, driven.tolist()))))
+    return (
+        reading if timed.mistimed and len(course.asked) == len(driven) else timed
+    )  # held over the step, as samples are
+
+
+def _timed(reading: QuaternionReading) -> QuaternionReading:
+    """The reading of a step that takes omega as a function of t, with the method that it is where that changes."""
+    turn = reading.turn
+    if reading.faults or not turn.known or turn.method not in METHODS:
+        return reading
+    found = next((m for m in (METHODS[turn.method], *METHODS.values()) if reading.is_of(m)), None)
+    if found is None:
+        return replace(reading, mistimed=_MISTIMED.format(turn.method))
+    return replace(reading, turn=replace(turn, method=found.key))
 
 
 def _rate(subject: ForeignStepper) -> tuple[str, float, str]:
@@ -180,9 +233,9 @@ def _at_rest(subject: ForeignStepper) -> str:
     return f"with omega = 0, (0.5, 0.5, 0.5, 0.5) becomes ({', '.join(f'{x:g}' for x in seen)})" if moved else ""
 
 
-def _columns(subject: ForeignStepper, omega: Array, h: float) -> Array:
+def _columns(subject: ForeignStepper, omega: Array, h: float, course: Course | None = None) -> Array:
     """The matrix of a step, from the steps of the four units."""
-    return np.array([turn_quaternion(subject, unit.tolist(), omega.tolist(), h) for unit in np.eye(4)]).T
+    return np.array([turn_quaternion(subject, unit.tolist(), omega.tolist(), h, course) for unit in np.eye(4)]).T
 
 
 def _normalised(subject: ForeignStepper, rounding: Rounding) -> tuple[bool, str]:

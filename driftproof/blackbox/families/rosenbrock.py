@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -128,40 +127,6 @@ def _roots(method: Rosenbrock) -> list[Rosenbrock]:
     return [method, *[_other_root(method)] * (method.key in _EITHER_ROOT)]
 
 
-def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
-    """The single entries of a method that, with another value, give what was read: the products are affine in each.
-
-    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison. The
-    other root comes first.
-    """
-    names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
-    if len(_Products(*floats, powers).nodes) != reading.calls:
-        return
-    other = _other_root(method)
-    if _Products.of(other, powers).differences(reading) == []:
-        shown = (exact_shown(each.gamma[0][0]) for each in (other, method))
-        yield f"the other root: gamma[0][0] = {' instead of '.join(shown)}"
-    seen = np.array(reading.weights)
-    for which, entries in enumerate(floats):
-        for place in np.ndindex(entries.shape):
-
-            def changed(by: float, which: int = which, place: tuple[int, ...] = place) -> _Products:
-                moved = [part.copy() for part in floats]
-                moved[which][place] += by
-                return _Products(moved[0], moved[1], moved[2], powers)
-
-            here, there = changed(0.0), changed(1.0)
-            if len(there.nodes) != reading.calls or not (turn := np.array(there.weights) - here.weights).any():
-                continue
-            by = float((turn * (seen - here.weights)).sum() / (turn * turn).sum())
-            if by and changed(by).differences(reading) == []:
-                name = names[which] + "".join(f"[{i}]" for i in place)
-                exact: Any = (method.alpha, method.gamma, method.b)[which]
-                for i in place:
-                    exact = exact[i]
-                yield f"{name}: {_shown(reading, [float(entries[place] + by)])} instead of {exact_shown(exact)}"
-
-
 def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
     """Entries that are computed from the reading, as text."""
     slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
@@ -173,14 +138,12 @@ class RosenbrockIdentity(WithEstimate):
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
     `method` is of the catalogue, or the one asked for, or None if none has them, with its entries in floats, since an
-    isolated process sends plain numbers; `told` says its orders, `near` is one that differs in one entry, and
-    `root` which of two roots its gamma is, in words.
+    isolated process sends plain numbers; `told` says its orders, and `root` which of two roots its gamma is, in words.
     """
 
     reading: RosenbrockReading
     method: Rosenbrock | None
     told: str
-    near: tuple[str, ...]  # its key, and the entry
     root: str
     measured: MeasuredOrder
     w_order: int | None
@@ -215,18 +178,13 @@ class RosenbrockIdentity(WithEstimate):
 
     @property
     def named(self) -> bool:
-        """True if the verdict names a method, exactly or nearly."""
-        return self.method is not None or bool(self.near)
-
-    @property
-    def _nearest(self) -> str:
-        return " except for ".join(self.near)
+        """True if the verdict names a method."""
+        return self.method is not None
 
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
-        unknown = self._nearest or "not a known Rosenbrock method"
-        name = f"{self.method.key}{self.root}" if self.method is not None else unknown
+        name = f"{self.method.key}{self.root}" if self.method is not None else "not a known Rosenbrock method"
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
         powers = len(self.reading.weights)
         partly = self.method is not None and powers < self.method.stages
@@ -252,8 +210,7 @@ class RosenbrockIdentity(WithEstimate):
             named = f"{self.method.key}: products of alpha and b with gamma up to its power {powers - 1}, to rounding"
         used = {"a function": "a function of its own", "differences": "differences of f"}.get(reading.by, "")
         clock = "f receives no time" if reading.nodes is None else f"df/dt is from {used}" if used else "no df/dt"
-        nearest = [f"nearest: {self._nearest}"] if self.near else []
-        return [named, *nearest, *self._table, clock]
+        return [named, *self._table, clock]
 
     @property
     def _table(self) -> list[str]:
@@ -296,8 +253,6 @@ class RosenbrockIdentity(WithEstimate):
             return [Criterion("Coefficients", False, (asked,), {})]
         same = not differences
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[: walks.DIFFERENCES_SHOWN]]
-        if method.key in self.near:
-            shown.insert(1, self._nearest)
         whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more
         told = "" if whole else f"a stepper of {method.stages} components, as many as there are stages"
         passed = same if whole or not same else None
@@ -318,7 +273,6 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     known = [*(m for m in FURTHER_METHODS.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     known = [root for each in known for root in _roots(each)]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
-    near = () if found else next(((m.key, x) for m in known for x in _near(reading, m)), ())
     measured, with_half = (
         walks.measured_of_two(subject, kind, _HALVINGS, walks.DIFFERENCES * reading.slack)
         for kind in (walks.WithJacobian, walks.WithHalfJacobian)
@@ -337,7 +291,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
         alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(found))
         plain = replace(found, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
     estimate = _judged_estimate(subject, found or asked)
-    return RosenbrockIdentity(reading, plain, told, near, root, measured, with_half.order, walked, estimate)
+    return RosenbrockIdentity(reading, plain, told, root, measured, with_half.order, walked, estimate)
 
 
 def _judged_estimate(subject: ForeignStepper, method: Rosenbrock | None) -> StepFinding | None:

@@ -8,12 +8,24 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import chain, pairwise, product
-from math import fsum, isclose, log
-from operator import sub
+from math import fsum, log
 from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.solvers.attempts import (
+    ATOLS,
+    LOOSE,
+    NEAR,
+    RTOL,
+    Attempt,
+    Slope,
+    attempts_of,
+    of_another_estimate,
+    power_of_estimate,
+    row_of,
+    settled_steps,
+)
 from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.step_size_law import FORGOTTEN, Law, LawPoint, exceptions, fitted_law, is_close, shown
 from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
@@ -23,22 +35,11 @@ from driftproof.methods.schemes import RungeKutta
 
 # The error estimate of a step of size h from the slopes k of its stages.
 _OfSlopes: TypeAlias = Callable[[Sequence[float], float], float]
-# The slope of a run as a function of t.
-_Slope: TypeAlias = Callable[[float], float]
 # The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
 # The shorter span is for estimates with a wrong stage, O(h^2), which take some thousand steps.
 _SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
-# |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
-# methods of low order, which take too many steps at the smaller one, the loose one for their errors per unit of time.
-_RTOL, _ATOLS, _LOOSE = 1e-13, (1e-7, 1e-4), 1e-3
 # An estimate may be the difference of two states below 1, of which each rounds by u and each sum before it by less.
 _ROUNDED = 2.0**-51
-# Steps this near to a jump are not compared with their slopes.
-_NEAR = 1e-6
-# Times in a step of h at t are equal to this part of h: they are rounded to u t, and h is above 10^-6 t.
-_SAME = 1e-8
-# The last attempts of a run may be made to land on its end.
-_LANDING = 3
 # The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
 # Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
@@ -53,31 +54,19 @@ _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
 _TRACE = 2.0**9
 
 
-class Attempt(NamedTuple):
-    """One attempt at a step; `accepted` if the run goes on from its end.
-
-    `rejections` counts the rejected attempts in a row, this one included. `factor` is h of the next attempt over h of
-    this one, or None if that is not known.
-    """
-
-    start: float
-    h: float
-    rejections: int
-    accepted: bool
-    factor: float | None
-
-
 @dataclass(frozen=True)
 class ControllerReading:
     """The step size control as measured: its law, if one was found, the evidence as lines, and the faults.
 
-    The `remark` is on a solver that advances the other row of the pair whose estimate is in the law.
+    The `remark` is on a solver that advances the other row of the pair whose estimate is in the law. `unseen` says why
+    it is not known whether the step sizes follow the estimate of the pair that it advances; "" if they do.
     """
 
     law: Law | None
     lines: tuple[str, ...]
     faults: tuple[str, ...]
     remark: str = ""
+    unseen: str = ""
 
 
 def bumps(t: float, between: float = 0.5) -> float:
@@ -86,14 +75,15 @@ def bumps(t: float, between: float = 0.5) -> float:
     return (-1.0) ** unit * (between + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
 
 
-def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerReading:
+def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = False) -> ControllerReading:
     """Read the law of the step sizes, for a pair of the catalogue, from a run of y' = bumps(t). Raises NotReadable.
 
     The slopes depend on t alone: the estimate of each attempt, and with it r, follows from the two rows of the pair,
-    and the factors are observed. Rejected attempts show in the times of the calls.
+    and the factors are observed. Rejected attempts show in the times of the calls. With `paired` the estimate has to be
+    that of the pair that it advances.
     """
     run, atol, slope = _run(subject)
-    attempts = list(_attempts(run, steps))
+    attempts = list(attempts_of(run, steps))
     traces = _traces(run, steps, attempts, slope)
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
@@ -121,7 +111,16 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
         if 1 < len(few) <= _FEW:
             seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
-        return ControllerReading(None, (seen, counts), traces or tuple(_of_low_order(subject, steps)))
+        another = settled = unsettled = ""
+        if pair := min(steps.pairs, key=power_of_estimate, default=None):
+            another = of_another_estimate(subject, pair)
+            settled, unsettled = ("", "") if another else settled_steps(subject, steps, pair)
+        lines = tuple(filter(None, [seen, settled, another * (not paired)]))
+        faults = tuple(filter(None, [another * paired, unsettled * (len(few) > _FEW)]))
+        hint = "nor do they settle where that depends on h alone; verify one step that returns its estimate"
+        unseen = f"{seen}, {hint}" if paired and steps.pairs and not settled else ""
+        faults = traces or faults or tuple(_of_low_order(subject, steps))
+        return ControllerReading(None, (*lines, counts), faults, unseen=unseen)
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
@@ -150,12 +149,12 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
 
 
 def _elsewhere(
-    subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float, slope: _Slope
+    subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float, slope: Slope
 ) -> Iterator[str]:
     """Say that most step sizes do not follow the law where slopes depend on y, as if a stage had another state."""
     rate: StageRate = lambda t, y: [slope(t) * (1 + y[0] * y[0])]
-    run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
-    points = list(_points(rate, run, list(_attempts(run, steps)), atol, estimate))
+    run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), RTOL, atol)
+    points = list(_points(rate, run, list(attempts_of(run, steps)), atol, estimate))
     words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
     if (factors := [p.factor for p in points]) and exceptions(points, law, min(factors), max(factors)) is None:
         yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
@@ -166,7 +165,7 @@ def _of_low_order(subject: ForeignSolver, steps: SolverSteps) -> Iterator[str]:
 
     The step size follows the tolerance to the power 1/p of an estimate O(h^p).
     """
-    power = min((min(m.claimed_order, m.embedded_order or 0) for m in steps.pairs), default=0)
+    power = min((power_of_estimate(pair) - 1 for pair in steps.pairs), default=0)
     calls = list[int]()
     for tol in _TWO if power > _LESS else ():
         try:
@@ -187,52 +186,20 @@ def _wrong_exponent(law: Law, power: int) -> Iterator[str]:
         yield f"the exponent of the step size control is {shown(law.exponent)}, {right}"
 
 
-def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
+def _run(subject: ForeignSolver) -> tuple[Solution, float, Slope]:
     """The run, its absolute tolerance, the larger one if need be, and its slope, without jumps if they stop the solver.
 
     As they stop one whose estimate is per unit of time: it stays large at a jump. Raises the last Misbehaviour.
     """
 
-    def solved(slope: _Slope, atol: float) -> tuple[Solution, float, _Slope]:
-        return subject.solve(lambda n, t, y: [slope(t)], _SPAN, (0.0,), _RTOL, atol), atol, slope
+    def solved(slope: Slope, atol: float) -> tuple[Solution, float, Slope]:
+        return subject.solve(lambda n, t, y: [slope(t)], _SPAN, (0.0,), RTOL, atol), atol, slope
 
-    without_jumps: _Slope = partial(bumps, between=-1.0 / (1.0 + (_WIDTH / 2) ** 4))
-    for each in product([bumps, without_jumps], _ATOLS):
+    without_jumps: Slope = partial(bumps, between=-1.0 / (1.0 + (_WIDTH / 2) ** 4))
+    for each in product([bumps, without_jumps], ATOLS):
         with suppress(Misbehaviour, TooSlow):
             return solved(*each)
-    return solved(without_jumps, _LOOSE)
-
-
-def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
-    """All attempts in order, told apart by the times of their calls; those that end at a returned time are accepted."""
-    nodes, position = steps.nodes, 0
-    found: list[Attempt] = []
-    for start, end in pairwise(run.t):
-        lengths: list[float] = []
-        while position < len(run.calls) and not (lengths and _at(start + lengths[-1], end, end - start)):
-            group = [call.t for call in run.calls[position : position + len(nodes)]]
-            length = (max(group) - start) / max(nodes)
-            if length <= 0 or not all(_at(t, start + c * length, length) for t, c in zip(group, nodes, strict=False)):
-                position += 1  # a call outside all attempts, as for the first step size
-                continue
-            position += len(nodes)
-            lengths.append(length)
-            while position < len(run.calls) and _at(run.calls[position].t, start + length, length):
-                position += 1
-        if not found and len(lengths) > 1 and lengths[0] < lengths[1]:  # of two stages: it chose its first step size
-            del lengths[0]
-        rejected = lengths[:-1]
-        found += [Attempt(start, length, n, False, None) for n, length in enumerate(rejected, 1)]
-        found.append(Attempt(start, end - start, len(rejected), True, None))
-    # A step that would pass the end is shortened, and the last ones may be stretched to land there.
-    for this, after in pairwise(found):
-        free = this.start < found[-_LANDING:][0].start and after.start + after.h < run.t[-1] - _SAME * after.h
-        free = free and min(this.h, after.h) > _NEAR * this.start  # an error per unit of time stays large at a jump
-        yield this._replace(factor=after.h / this.h if free else None)
-
-
-def _at(t: float, time: float, h: float) -> bool:
-    return isclose(t, time, rel_tol=0.0, abs_tol=_SAME * h)
+    return solved(without_jumps, LOOSE)
 
 
 class _Estimate(NamedTuple):
@@ -246,12 +213,12 @@ class _Estimate(NamedTuple):
 
 def _estimates(pairs: Sequence[RungeKutta]) -> Iterator[_Estimate]:
     """The error estimates of these pairs; DOP853 programs blend those of two."""
-    rows = {pair.key: [*map(float, _row(pair))] for pair in pairs}
+    rows = {pair.key: [*map(float, row_of(pair))] for pair in pairs}
     for pair in pairs:
-        weighed, least = partial(_weighed, rows[pair.key]), min(pair.claimed_order, pair.embedded_order or 0)
-        yield _Estimate(pair.key, pair, weighed, least and least + 1)
+        weighed, order = partial(_weighed, rows[pair.key]), power_of_estimate(pair)
+        yield _Estimate(pair.key, pair, weighed, order)
         per_unit: _OfSlopes = lambda k, h, weighed=weighed: weighed(k, 1.0)  # type: ignore[misc]
-        yield _Estimate(f"{pair.key} per unit of time", pair, per_unit, least)  # divided by h (burden-faires, 5.5)
+        yield _Estimate(f"{pair.key} per unit of time", pair, per_unit, order - 1)  # divided by h (burden-faires, 5.5)
     if {"dop853", "dop853_third"} <= set(rows):
         fifth, third = rows["dop853"], rows["dop853_third"]
 
@@ -266,15 +233,10 @@ def _weighed(row: Sequence[float], slopes: Sequence[float], h: float) -> float:
     return h * abs(fsum(e * k for e, k in zip(row, slopes, strict=False)))
 
 
-def _row(pair: RungeKutta) -> list[Exact]:
-    assert pair.b_embedded is not None
-    return [*map(sub, pair.b, pair.b_embedded)]
-
-
 def _is_silent(pair: RungeKutta) -> bool:
     """True if the weights of the estimate cancel at every node, as in Fehlberg's pair 7(8)."""
     by_node: dict[Exact, Exact] = {}
-    for c, e in zip(pair.c, _row(pair), strict=True):
+    for c, e in zip(pair.c, row_of(pair), strict=True):
         by_node[c] = by_node.get(c, Fraction(0)) + e
     return not any(by_node.values())
 
@@ -291,7 +253,7 @@ def _points(
         times = [each.start + x * each.h for x in c]
         r = estimate.of([k for (k,) in stage_slopes(a, c, rate, each.start, each.h, states[each.start])], each.h) / atol
         if each.factor is not None and r > 0:
-            at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
+            at_jump = any(abs(t - round(t)) <= NEAR for t in times)
             growth, later = log(each.h / length), each.factor * each.h
             later *= is_close(later, longest)
             rounded = _ROUNDED / (r * atol)
@@ -300,13 +262,13 @@ def _points(
             before, length = log(r), each.h
 
 
-def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt], slope: _Slope) -> tuple[str, ...]:
+def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt], slope: Slope) -> tuple[str, ...]:
     """The faults of steps that do not end where their weights and the slopes at their own times say."""
     allowed = _TRACE * float(steps.reading.format.u)
     reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
     wrong_after = wrong_else = seen_after = stale = 0
     for (start, end), ((y,), (y1,)) in zip(pairwise(run.t), pairwise(run.y), strict=True):
-        if int(start - _NEAR) != int(end + _NEAR):  # across a jump, or up to it, where rounding of a time matters
+        if int(start - NEAR) != int(end + NEAR):  # across a jump, or up to it, where rounding of a time matters
             continue
         h = end - start
         slopes = [slope(start + c * h) for c in reading.c or ()]

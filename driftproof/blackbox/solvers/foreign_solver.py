@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import wraps
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapt
 from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.made_wrappers import owner_of, run_of_class
 from driftproof.blackbox.stepper.opening import Target, imported
+from driftproof.blackbox.stepper.second_functions import differences
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # A solver that makes more calls on these short problems is said not to end, or to be too slow.
@@ -159,6 +161,14 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
     f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
     ends[0] = ends[0] or words.pop("x0", "")  # of y' = f(x, y), as books write it
+    h, count = (next((words[x] for x in known if x in words), "") for known in (_SETTINGS[LENGTH][0], calling.COUNTS))
+    if all((f, y0, ends[0], h, count)) and not (span or ends[1]):  # its end is start + count h
+
+        def counted(f_: Any, t_span_: Any, y0_: Any, n: int) -> Any:
+            length = (t_span_[1] - t_span_[0]) / n
+            return solve(**{f: f_, ends[0]: t_span_[0], y0: y0_, h: length, count: n})
+
+        return counted
     if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
         return solve
     taken = [f, y0, *([span] if span else ends)]
@@ -173,6 +183,25 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     first = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("f_", "t_span_", "y0_")]
     arranged.__signature__ = inspect.Signature([*first, *others])  # type: ignore[attr-defined]
     return arranged
+
+
+def _of_f_alone(solve: Callable[..., Any]) -> Callable[..., Any]:
+    """The solver that is handed differences of f in place of the Jacobian that it needs; itself if it needs none."""
+    parameters = calling.parameters_of(solve) or {}
+    needed = [name for name, p in parameters.items() if p.default is p.empty]
+    roles = {calling.role_of(name, (calling.JACOBIAN, calling.FUNCTION)): name for name in reversed(needed)}
+    f, jacobian = roles.get(calling.FUNCTION), roles.get(calling.JACOBIAN)
+    if f is None or jacobian is None:
+        return solve
+    left = inspect.Signature([p for name, p in parameters.items() if name != jacobian])
+
+    @wraps(solve)
+    def alone(*given: Any, **options: Any) -> Any:
+        named = left.bind(*given, **options).arguments
+        return solve(**named, **{jacobian: lambda *at: differences(named[f], at, True)})
+
+    alone.__signature__ = left  # type: ignore[attr-defined]
+    return alone
 
 
 def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
@@ -289,6 +318,7 @@ class SolverTarget:
         given = imported(self.solver, "solver")
         if [*(calling.parameters_of(given) or ())][:1] == ["self"]:
             given = owner_of(given)
+        given = given if inspect.isclass(given) else _of_f_alone(given)
         if inspect.isclass(given) and (run := run_of_class(given)):
             given = run
         elif inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):

@@ -11,6 +11,7 @@ from typing import Any
 from driftproof.blackbox.families.multistep import Corrected
 from driftproof.blackbox.findings import INSTRUMENT_FAILED, NO_EVIDENCE, BadInput, Outcome, StepRaised, WrongShape
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
+from driftproof.blackbox.matching.estimates import is_pair
 from driftproof.blackbox.matching.match import match_method
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, without_duplicates
@@ -68,7 +69,8 @@ def identify_solver(
     if isinstance(wanted, Family):
         wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
-    steps, controller, runs, seen = runner.run([_steps, _controlled, read_runs, _seen])
+    controlled = partial(_controlled, paired=isinstance(wanted, RungeKutta) and is_pair(wanted))
+    steps, controller, runs, seen = runner.run([_steps, controlled, read_runs, _seen])
     if steps.kind == BadInput.kind:
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
@@ -101,7 +103,8 @@ def identify_solver(
         apart = runner.outcome_of(partial(unlike, method=wanted)).result
         if apart:
             return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
-    return report if wanted is None else _held(report, steps.result, wanted, faults, remarks)
+    unseen = controller.result.unseen if controller.result else ""
+    return report if wanted is None else _held(report, steps.result, wanted, faults, remarks, unseen)
 
 
 def _held(
@@ -110,6 +113,7 @@ def _held(
     method: Method | FurtherMethod,
     faults: Sequence[str],
     remarks: Sequence[str],
+    unseen: str,
 ) -> Report:
     """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
 
@@ -129,9 +133,8 @@ def _held(
         return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
     seen = f" in {report.data['looked_at']}" if report.data["looked_at"] else ""
     verdict = f"is {method.key}{seen}{''.join(map(_REMARK.format, remarks))}"
-    if report.data["runs"] is None:
-        verdict = f"{UNDECIDED} whether it {verdict}: its clock and its tolerances are not seen"
-        return replace(report, verdict=verdict, passed=None)
+    if unseen := "its clock and its tolerances are not seen" if report.data["runs"] is None else unseen:
+        return replace(report, verdict=f"{UNDECIDED} whether it {verdict}: {unseen}", passed=None)
     return replace(report, verdict=verdict, passed=True)
 
 
@@ -161,23 +164,25 @@ def _seen(subject: ForeignSolver) -> str:
     return f"{sum(steps)} steps, in {len(sizes)} runs of {' and '.join(filter(None, [', '.join(most), last]))} numbers"
 
 
-def _controlled(subject: ForeignSolver) -> ControllerReading:
-    return read_controller(subject, read_steps(subject))
+def _controlled(subject: ForeignSolver, paired: bool) -> ControllerReading:
+    return read_controller(subject, read_steps(subject), paired)
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str], list[str]]:
     """The faults of the solver, what a fault of ours left unmeasured, and the remarks.
 
     The faults of the step size control, which may be the cause of steps that differ, come first. What it does where f
-    is NaN, and which row of a pair it advances, is no fault of a method's steps.
+    is NaN, a last step of a rounding, and which row of a pair it advances, are no faults of a method's steps.
     """
     found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
     lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == INSTRUMENT_FAILED]
     faults = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless]
-    beside = () if runs.failed else runs.result.answers.get("NaN", RunLines()).beside
+    beside = [] if runs.failed else [line for each in runs.result.answers.values() for line in each.beside]
     rows = [controller.result.remark] if controller.result and controller.result.remark else []
+    if controller.kind == NotReadable.kind and steps.result and steps.result.adaptive:
+        rows = [f"step size control not seen: {controller.seen}"]
     unseen = () if runs.failed else runs.result.remarks
     return [each for each in faults if each not in beside], lost, [*rows, *beside, *unseen]
 

@@ -105,7 +105,7 @@ def _constant_slopes(subject: ForeignSolver) -> RunLines:
 def _clock(subject: ForeignSolver) -> RunLines:
     """Check where the last step ends and which time is kept, also with a step size that does not divide the span."""
     run = _of_time(subject, SPAN)
-    timed = _timed(run, SPAN)
+    timed = _timed(run, SPAN, subject.adaptive)
     if subject.takes != LENGTH or timed.faults:
         return timed
     lines, faults, exact = [*timed.lines], list[str](), _is_parabola(run)
@@ -150,7 +150,7 @@ def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
     return seen, [f"it makes {seen}"] * (abs(len(in_h) - asked) >= 1)
 
 
-def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
+def _timed(run: Solution, span: tuple[float, float], chosen: bool = False) -> RunLines:
     """Say where the last step ends, whether there is one too many, and in which format time is kept."""
     (start, end), t = span, run.t
     if len(t) < 2:
@@ -171,8 +171,10 @@ def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
         faults.append(f"one step too {which}: it ends {abs(off):.6g} {'beyond' if off > 0 else 'before'} the end")
     else:
         faults.append(f"the last step ends {off:.6g} from the end")
-    if 0 < last < _TINY * length:
-        faults.append(f"one step too many: the last one is {last:.2g} long")
+    many = [f"one step too many: the last one is {last:.2g} long"] * (0 < last < _TINY * length)
+    # Where the sum t + (end - t) is rounded, a step size that is chosen makes a step of the rest, at no other cost.
+    beside = many if chosen and off == 0 and last <= abs(end) * 2.0**-51 else []
+    faults += [] if beside else many
     # y[0] = t - t_start keeps the time that was integrated over, whatever is returned as t.
     drift = max(abs(y[0] - (x - start)) for x, y in zip(t, run.y, strict=True))
     allowed = 4 * len(run.calls) * float(run.format.u) * (abs(start) + length)
@@ -180,7 +182,7 @@ def _timed(run: Solution, span: tuple[float, float]) -> RunLines:
         faults.append(f"the time that it integrates over and the time that it returns differ by {drift:.3g}")
     if beyond > 2.0**-50 * abs(end) and off <= 0:
         lines.append(f"f is called up to {beyond:.3g} beyond the end")
-    return RunLines(lines, faults)
+    return RunLines(lines, faults, beside)
 
 
 def _accumulated(times: Sequence[float], span: tuple[float, float]) -> str:

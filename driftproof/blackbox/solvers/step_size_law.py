@@ -95,7 +95,9 @@ def fitted_law(name: str, points: Sequence[LawPoint]) -> Law | None:
     if (exception := exceptions(points, law, smallest, largest)) is None:
         return None
     cut = [(p, log(p.factor) - max(law.logs(p))) for p in points if p.rejections <= 1]  # by limits: not 0
-    low = any(x > _CLOSE and is_close(p.factor, smallest) for p, x in cut)
+    # At a jump rounded times make an error another one, and one factor the least; a limit is that of most below it.
+    below = [p.factor for p, x in cut if log(smallest / p.factor) + x > _CLOSE]
+    low = 2 * sum(is_close(factor, smallest) for factor in below) > len(below)
     high = any(x < -_CLOSE and is_close(p.factor, largest) and not p.longest for p, x in cut)
     long = [p.longest for p, x in cut if p.longest and x < -_CLOSE and not (high and is_close(p.factor, largest))]
     least, most, longest = smallest if low else None, largest if high else None, long[0] if long[1:] else None

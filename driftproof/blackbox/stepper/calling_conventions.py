@@ -272,6 +272,8 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
 def names_with_step(step: Callable[..., Any]) -> list[str] | None:
     """The required names, and those of a step size and of a time with a default, unless there are others.
 
+    Beside a quaternion, the name of an angular velocity whose default is a function is one, too.
+
     >>> names_with_step(lambda q, v, omega=1.0, dt=0.01: None)
     ['q', 'v', 'dt']
     """
@@ -280,6 +282,9 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
     for role in (TIME, STEP):
         if not any(role_of(each, (role,)) for each in names):
             names += [each for each in parameters_of(step) or () if each not in names and role_of(each, (role,))][:1]
+    if any(role_of(each, (QUATERNION,)) for each in names):  # of a quaternion, a function of t is as good as a system
+        given = [p for p in (parameters_of(step) or {}).values() if callable(p.default) and p.default is not p.empty]
+        names += [p.name for p in given if role_of(p.name, (ANGULAR,))]
     return names
 
 

@@ -77,16 +77,16 @@ def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
 
     def stepped(*arguments: Foreign, **given: Foreign) -> Foreign:
         given = {**dict(zip(left, arguments, strict=False)), **given}
-        jacobian = lambda *at: _differences(given[named[calling.FUNCTION]], at, last)
+        jacobian = lambda *at: differences(given[named[calling.FUNCTION]], at, last)
         return step(**given, **{named[calling.JACOBIAN]: jacobian})
 
     calling.stand_in(stepped, step, left)
     return stepped
 
 
-def _differences(f: Callable[..., Foreign], at: Sequence[Foreign], last: bool) -> Foreign:
+def differences(f: Callable[..., Foreign], at: Sequence[Foreign], last: bool) -> Foreign:
     """The derivative of f by its state, the largest argument; of several numbers, the last or else the first one."""
-    place = max(range(len(at)), key=lambda i: (np.size(at[i]), i if last else -i))
+    place = max(range(len(at)), key=lambda i: (np.size(at[i]), np.ndim(at[i]), i if last else -i))
     y, here = at[place], np.asarray(f(*at))
 
     def slope(way: Any) -> Any:

@@ -34,6 +34,15 @@ class Pushed:
     places: list[list[float]] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Course:
+    """A step from t at an angular velocity that changes by so much in the unit of time, and when that was asked for."""
+
+    t: float = 0.0
+    change: Sequence[float] = ()
+    asked: list[list[float]] = field(default_factory=list)
+
+
 def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     """One step of x' = v, v' = E + v x B. Raises UnsupportedCall if the stepper takes no magnetic field."""
     if subject.convention.kind != calling.MAGNETIC:
@@ -61,21 +70,31 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     return Pushed(x, v, asked)
 
 
-def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence[float], h: float) -> list[float]:
-    """One step of a quaternion at an angular velocity. Raises UnsupportedCall if the stepper takes none."""
+def turn_quaternion(
+    subject: ForeignStepper, q: Sequence[float], omega: Sequence[float], h: float, course: Course | None = None
+) -> list[float]:
+    """One step of a quaternion at an angular velocity, which may depend on t. Raises UnsupportedCall without one."""
+    course = course or Course()
     if subject.convention.kind != calling.ROTATION:
         raise UnsupportedCall("it takes no quaternion")
     write = subject.adapter.write
-    roles = {calling.QUATERNION: write(q), calling.ANGULAR: write(omega), calling.STEP: h, calling.TIME: 0.0}
+    roles = {calling.QUATERNION: write(q), calling.ANGULAR: write(omega), calling.STEP: h, calling.TIME: course.t}
+    if calling.TIME in subject.convention.order and isinstance(roles[calling.ANGULAR], np.ndarray):
+        roles[calling.ANGULAR] = made = _Field(roles[calling.ANGULAR])
+        made.asked, made.size_of_place, made.change = course.asked, 1, np.array(course.change)
     answer = subject.called(roles, f"q={list(q)!r}, omega={list(omega)!r}, h={h!r}", q)
     return subject.finite(subject.read(answer, len(q)), q)
 
 
 class _Field(np.ndarray[Any, Any]):
-    """A vector that is also the constant function with its value, and records the places at which it is called."""
+    """A vector that is also the constant function with its value, and records the places at which it is called.
+
+    With a `change`, it is a function of t, which changes by that in the unit of time, and has its value at t = 0.
+    """
 
     asked: list[list[float]]
     size_of_place: int
+    change: np.ndarray[Any, Any] = np.zeros(0)
 
     def __new__(cls, value: Any) -> _Field:
         return np.array(value, dtype=np.float64).view(cls)
@@ -87,7 +106,7 @@ class _Field(np.ndarray[Any, Any]):
             found = np.concatenate(places[: self.size_of_place])
         if found is not None:
             self.asked.append([float(x) for x in found])
-        return np.array(self)
+        return np.array(self) + self.asked[-1][0] * self.change if self.change.size else np.array(self)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
         plain = (np.asarray(x).view(np.ndarray) if isinstance(x, _Field) else x for x in inputs)

@@ -190,12 +190,15 @@ def _missing(
     written = claim.phrase.written(spellings)
     there = "".join(f", {x} {said!r}" for x, said in zip(("row", "column"), claim.address, strict=False) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
+    flat = document.text.text.replace("\n", " ")
+    for one in occurrences:  # where nothing is missing
+        flat = flat[: one.start()] + " " * len(one[0]) + flat[one.end() :]
     in_any_case = re.compile(claim.phrase.shape(spellings)[0].pattern, re.IGNORECASE)
-    if capitals := None if any(claim.address) else in_any_case.search(document.text.text):
+    if capitals := None if any(claim.address) else in_any_case.search(flat):
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals"
     else:
-        place, shown = _end(document, written) or _beginning(document, claim.address.row or written)
+        place, shown = _end(document, flat, written) or _beginning(document, flat, claim.address.row or written)
         message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
 
@@ -228,9 +231,8 @@ def _is_under(document: Document, claim: Claim, start: int) -> bool:
     return head is None or tables_of(document.text.text).head_at(start).lower() == head.lower()
 
 
-def _end(document: Document, written: str) -> tuple[Position, str] | None:
+def _end(document: Document, flat: str, written: str) -> tuple[Position, str] | None:
     """The place of the longest run of last words of the phrase with a telling number, and the text there."""
-    flat = document.text.text.replace("\n", " ")
     for word in [*re.finditer(r"\S+", written)][1:]:
         last = written[word.start() :].replace("\n", " ")
         if len(re.sub("[^0-9]", "", last)) >= _TELLING and (at := flat.find(last)) >= 0:
@@ -239,9 +241,8 @@ def _end(document: Document, written: str) -> tuple[Position, str] | None:
     return None
 
 
-def _beginning(document: Document, written: str) -> tuple[Position, str]:
+def _beginning(document: Document, flat: str, written: str) -> tuple[Position, str]:
     """The place of the longest run of first words of the phrase, and the text there; the start and "" for none."""
-    flat = document.text.text.replace("\n", " ")
     for word in reversed([*re.finditer(r"\S+", written)]):
         at = flat.find(written[: word.end()].replace("\n", " "))
         if at >= 0 and word.end() > 1:

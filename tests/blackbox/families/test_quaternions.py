@@ -116,6 +116,31 @@ def test_a_method_that_makes_the_length_one_passes_as_itself_alone():
     assert verify(lambda q, w, dt: UNIT(q, w / 2, dt), "rk4", isolate=False).passed is False
 
 
+HELD = lambda q, gyro, t, dt: RK4(q, gyro(t), dt)
+TIMED = [
+    (codes.of_function("rk4"), "rk4", True, "is rk4 of q' = q omega/2 (scalar first)"),
+    (
+        codes.of_function("rk38", unit=True),
+        "rk38",
+        True,
+        "is rk38, normalised to length 1, of q' = q omega/2 (scalar f",
+    ),
+    (codes.of_function("rk38"), "rk4", False, "is not rk4: where omega depends on t, the step is not that of rk4"),
+    (codes.of_function("rk4", 0.0, unit=True), "rk4", False, "is not rk4: where omega depends on t, the step is not"),
+    (codes.of_function("forward_euler"), "forward_euler", True, "is forward_euler of q' = q omega/2 (scalar first)"),
+    (HELD, "rk4", True, "is rk4 of q' = q omega/2 (scalar first), omega constant"),
+    (RK4, "rk4", True, "is rk4 of q' = q omega/2 (scalar first), omega constant"),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "passed", "words"), TIMED, ids=range(len(TIMED)))
+def test_an_angular_velocity_that_is_a_function_of_t_shows_the_times_of_the_stages(step, key, passed, words):
+    report = verify(step, key, isolate=False)
+    assert (report.passed, report.verdict.startswith(words)) == (passed, True), report.verdict
+    mistimed = identify(step, isolate=False).data["faults"]
+    assert ["no step of rk4 nor of another" in fault for fault in mistimed] == [True] * (step is TIMED[3][0])
+
+
 def test_a_rate_that_is_none_is_shown_beside_the_nearest():
     report = verify(codes.one_sign, "forward_euler", isolate=False)
     (off,) = report.section("Rotation: FAILED").lines

@@ -60,6 +60,18 @@ def test_the_other_result_of_a_pair_is_held_to_its_embedded_rows(off, wrong):
     assert ("the error estimate is not that of ark324: b_explicit[1]" in report.verdict) is wrong
 
 
+def test_a_run_that_takes_a_jacobian_is_held_to_a_multistep_method_with_differences():
+    def two_steps(f, jac, t, y, h, n):
+        states, slopes = [y, y + h * f(t, y) + 0 * (jac(t, y) @ y)], [f(t, y)]
+        for i in range(1, n):
+            slopes.append(f(t + i * h, states[-1]))
+            states.append(states[-1] + h * (1.5 * slopes[-1] - 0.5 * slopes[-2]))
+        return states[: n + 1]
+
+    report = verify(two_steps, "adams_bashforth2", isolate=False)
+    assert (report.passed, "it was handed differences of f" in report.verdict) == (True, True), report.verdict
+
+
 def test_what_a_method_without_an_embedded_row_returns_is_said_not_to_be_judged():
     report = verify(imex("ars222", other=[1, 0, 0]), "ars222", isolate=False)
     assert report.verdict == "is ars222; what it returns besides y1 is not judged: ars222 defines no error estimate"

@@ -246,12 +246,19 @@ def quaternion(key: str, rate: Callable[[Any, Any], Any] = body, *, unit: bool =
 
     def step(q, omega, dt):
         slopes: list[Any] = []
-        for row in method.a:
-            slopes.append(rate(q + dt * sum(float(a) * k for a, k in zip(row, slopes, strict=False)), omega))
+        for c, row in zip(method.c, method.a, strict=True):
+            at = omega(c) if callable(omega) else omega
+            slopes.append(rate(q + dt * sum(float(a) * k for a, k in zip(row, slopes, strict=False)), at))
         q = q + dt * sum(float(b) * k for b, k in zip(method.b, slopes, strict=True))
         return q / np.linalg.norm(q) if unit else q
 
     return step
+
+
+def of_function(key: str, late: float = 1.0, **how: Any):
+    """The same with the angular velocity as a function of t, asked for at t + late c h."""
+    step = quaternion(key, **how)
+    return lambda q, t, dt, gyro=np.sin: step(q, lambda c: gyro(t + late * float(c) * dt), dt)
 
 
 def turned_by(angle: Callable[[float], float], *, guarded: bool = True):
@@ -298,6 +305,7 @@ RIGHT_QUATERNIONS = [
     *((step, "it is forward_euler of q' = q omega/2 (scalar first)") for step in (into, single)),
     (turned_by(np.sin), "it is not a known rotation of q' = q omega/2 (scalar first), of order 2"),
 ]  # fmt: skip
+RIGHT_QUATERNIONS = [(step, words.replace("first)", "first), omega constant")) for step, words in RIGHT_QUATERNIONS]
 WRONG_QUATERNIONS = [
     (quaternion("forward_euler", lambda q, w: 2 * body(q, w)), "2 times as fast as omega: the factor 1/2 is missing"),
     (quaternion("rk4", lambda q, w: body(q, w) / 2), "0.5 times as fast as omega: the factor 1/2 appears twice"),

@@ -11,6 +11,7 @@ import pytest
 from driftproof import identify_solver
 from driftproof.blackbox.findings import NoAnswer
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.test_attempts import EXCHANGED, OF_FEW_LENGTHS, TO_AND_FRO
 from tests.blackbox.solvers.test_multistep import PECE, RIGHT, adams_bashforth2, by_number
 from tests.blackbox.transcripts import checksum, shortened
 
@@ -51,8 +52,9 @@ def of_pairs(f, x0, y0, x_end, n):
     of_pairs,
     lambda f, t0, y0, t1, n: [*of_pairs(f, t0, y0, t1, n)],
     lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
+    lambda f, t0, y0, h, n: fixed(n, order="euler")(f, (t0, t0 + n * h), y0, 0, 0),
     lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
-], ids=["a generator", "pairs", "two times", "as in Julia"])  # fmt: skip
+], ids=["a generator", "pairs", "two times", "h and n", "as in Julia"])  # fmt: skip
 def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(solve):
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
@@ -135,6 +137,19 @@ def between_its_times(f, t_span, y0, rtol, atol):
     return [*(t for t, _ in found), times[-1]], [*(y for _, y in found), states[-1]]
 
 
+def with_a_rest(f, t_span, y0, rtol, atol):
+    """The solver whose sum of steps misses the end of the run for its clock by a rounding."""
+    times, states, *_ = adaptive()(f, t_span, y0, rtol, atol)
+    if t_span[0] != 0.1 or len(y0) != 2:
+        return times, states
+    return [*times[:-1], times[-1] - 2.0**-52, times[-1]], [*states, states[-1]]
+
+
+def with_jacobian(f, df, t_span, y0, n):
+    """A solver that needs a Jacobian of f, of as many rows as numbers."""
+    return by_number(adams_bashforth2)(lambda t, y: f(t, y) + 0 * (df(t, y) @ y), t_span, y0, n)
+
+
 def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
     slow = Mock(side_effect=NoAnswer("no answer within 1 s"))
     monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.read_runs", slow)
@@ -152,9 +167,20 @@ HELD = {
         False,
         "is not bogacki_shampine32: with five components",
     ),
+    "with another estimate": (EXCHANGED, "bogacki_shampine32", False, "is bogacki_shampine32, but it makes "),
+    "another row, alone": (EXCHANGED, "ralston3", True, "is ralston3 in "),  # it may have been meant
+    "to and fro": (
+        TO_AND_FRO,
+        "heun_euler21",
+        False,
+        "is heun_euler21, but where the estimate of heun_euler21 is one of",
+    ),
+    "of few lengths": (OF_FEW_LENGTHS, "bogacki_shampine32", None, "undecided whether it is bogacki_shampine32 in"),
+    "with a rest of a rounding": (with_a_rest, "bogacki_shampine32", True, "is bogacki_shampine32 in"),
     "between": (between_its_times, "bogacki_shampine32", None, "undecided whether it is bogacki_shampine32: its steps"),
     "silent": (adaptive(on_nan="silent"), "bogacki_shampine32", True, "is bogacki_shampine32 in "),
     "of two steps": (by_number(adams_bashforth2), "adams_bashforth2", True, "is adams_bashforth2"),
+    "with a Jacobian": (with_jacobian, "adams_bashforth2", True, "is adams_bashforth2"),
     "of three": (by_number(adams_bashforth2), "adams_bashforth3", False, "is not adams_bashforth3; it advances"),
     # Its own solution of the corrector, which is compared with, is singular where f is stiff.
     "corrected": (RIGHT[PECE][0], "abm4", False, "is adams_moulton3, corrected once from"),

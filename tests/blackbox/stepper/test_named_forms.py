@@ -103,7 +103,7 @@ def half_of_one_part(N, L, u, dt):
 @pytest.mark.slow
 def test_of_two_right_hand_sides_that_which_is_solved_for_shows():
     assert verify(forward_backward, "imex_euler", isolate=False).passed
-    assert "b_explicit[0]" in verify(half_of_one_part, "imex_euler", isolate=False).verdict
+    assert "b_explicit[0]" in verify(half_of_one_part, "imex_euler", isolate=False).text(everything=True)
 
 
 def test_what_is_no_state_is_not_taken_for_one():

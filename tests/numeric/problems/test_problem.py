@@ -14,12 +14,13 @@ from flint import arb, ctx
 from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Problem
+from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Problem, reference
 from driftproof.numeric.reference_errors import decimal_energy
 from tests.looping import exactly, some
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
 from tests.witnesses.references.literature import DOCS, page, published, right_digits, rows
 from tests.witnesses.references.write import Row, computed
+from tests.witnesses.references.write import main as write
 
 BY_EVIDENCE = {e: [p for p in PROBLEMS.values() if p.reference.evidence == e] for e in (EXACT, CERTIFIED)}
 # Whose first states are computed again in a moment.
@@ -123,15 +124,24 @@ def test_last_state_follows_from_the_one_before(name: str, slow: int) -> None:
     assert not agree(over_last_interval(PROBLEMS[name], planted), last)
 
 
+def test_what_a_new_problem_lacks_is_said_with_the_file_in_which_to_write_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ValueError, match=r"^slow has no times in \S+/digits\.json"):
+        reference("slow", EXACT, "1/e")
+    monkeypatch.delitem(CLOSED_FORMS, "kepler")
+    for name, file in (("slow", "catalogue"), ("kepler", "closed_forms")):
+        with pytest.raises(SystemExit, match=rf"^{name} .* in \S+/{file}\.py$"):
+            write([name])
+
+
 def test_a_start_and_states_of_another_length_than_the_field_are_refused() -> None:
     kaps = PROBLEMS["kaps"]
-    short = replace(kaps.reference, states=tuple(state[:1] for state in kaps.reference.states))
+    short = replace(kaps.reference, states=(*kaps.reference.states[:-1], ("1",)))
     for wrong in ({"start": kaps.start[:1]}, {"start": (*kaps.start, Fraction(0))}, {"reference": short}):
         with pytest.raises(ValueError, match="kaps: 2 rates need a start and a reference of 2 components"):
             replace(kaps, **wrong)
     bad = {"times": kaps.reference.times[::-1]}, {"times": kaps.reference.times[1:]}, {"times": (), "states": ()}
-    for changed in (*bad, {"evidence": "rumour"}, {"states": (*kaps.reference.states[:-1], ("1",))}):
-        with pytest.raises(ValueError, match=r"increasing times|the same length|'rumour'; choose from exact"):
+    for changed in (*bad, {"evidence": "rumour"}):
+        with pytest.raises(ValueError, match=r"increasing times|'rumour'; choose from exact"):
             replace(kaps.reference, **changed)
 
 

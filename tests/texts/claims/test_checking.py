@@ -62,7 +62,8 @@ FOUND = [
     ("is {value}", "count = 2", "is 0.33 and is 0.33", []),
     ("is {value}", "", "is 0.33 and is 0.33", [(1, 13, "nothing", "is 0.33")]),
     ("is {value}", "count = 0", "is 0.33 and is 0.33", [(1, 1, "nothing", "is 0.33"), (1, 13, "nothing", "is 0.33")]),
-    ("is {value}", "count = 3", "is 0.33 and is 0.33", [(1, 1, "is 0.33", "is 0.33")]),
+    ("is {value}", "count = 3", "is 0.33 and is 0.33", [(1, 1, "is 0.33", "")]),
+    ("h < 2, its", "count = 2", "h < 2, its\nh <= 2, its", [(2, 1, "h < 2, its", "h <= 2, it")]),
     # The place that comes closest is looked for among the first 2000.
     *(
         (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34")])

@@ -58,6 +58,11 @@ def written(found: dict[str, dict[str, list[str]]]) -> str:
 
 def main(keys: Sequence[str]) -> None:
     found = json.loads(DIGITS.read_text(encoding="utf-8"))
+    for key in keys:
+        if key not in PROBLEMS:
+            raise SystemExit(f"{key} is not in driftproof/numeric/problems/catalogue.py")
+        if PROBLEMS[key].reference.evidence == EXACT and key not in CLOSED_FORMS:
+            raise SystemExit(f"{key} has no closed form in tests/witnesses/references/closed_forms.py")
     for key in keys or PROBLEMS:
         times = PROBLEMS[key].reference.times
         found[key] = dict(zip(map(str, times), computed(PROBLEMS[key], times), strict=True))
