@@ -56,7 +56,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     if problem.matrix is not None:
         about = "Proved: the step sizes h whose powers stay bounded"
     if any(STABLE_FROM in row[1] for row in rows):
-        about += f"; with fewer than are{STABLE_FROM.lstrip(',')} the fastest decay on the way may grow in a longer run"
+        about += "; with fewer than are stable, the fastest decay on the way may grow in a longer run"
     table = html_table(rows, about, "words")
     return "".join(
         [
