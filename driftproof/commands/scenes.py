@@ -52,11 +52,14 @@ def scene_command(options: Namespace) -> str:
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
     cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64 for 1/4, 1/8, ..., 1/64"),
     cli.output_option("write each answer here as a line of JSON; an interrupted sweep is resumed from this file"),
-    cli.option(
-        "--workers",
-        "number of processes (default: one for each processor)",
-        type=cli.integer_in(1, MOST_WORKERS, "processes"),
-        metavar="N",
+    cli.one_of(
+        cli.option(
+            "--workers",
+            "number of processes (default: one for each processor)",
+            type=cli.integer_in(1, MOST_WORKERS, "processes"),
+            metavar="N",
+        ),
+        cli.option("--cluster", "address of the scheduler of a dask cluster", metavar="ADDRESS"),
     ),
     cli.TEXT_OR_JSON,
 )
@@ -70,7 +73,8 @@ def sweep_command(options: Namespace) -> str:
       driftproof sweep pendulum --methods rk4,velocity_verlet --h 1/10:1/80      its errors at its end
 
     The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
-    overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers.
+    overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers, nor on
+    --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
     """
     return cli.answer_of("sweep", options)
 

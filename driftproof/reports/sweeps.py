@@ -1,10 +1,12 @@
-"""A sweep as text or JSON, with a row for each point of its grid."""
+"""A sweep as text or JSON, with a row for each point of its grid; and an executor on a dask cluster."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import nullcontext
+import logging
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +21,7 @@ from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.reports.scenes import scene_given
+from driftproof.support.environment import require_package
 from driftproof.support.plain_text import counted, table, with_digits
 from driftproof.support.results import Answered
 
@@ -28,6 +31,9 @@ _STATES = ("final_state", "exact_state")
 _DIGITS = 4
 # The headings of columns that are not the name of the axis or of the readout.
 _AXES, _LABELS = {"selected": "method"}, {"phase_error": "phase error (degrees)"}
+# The form of a scheduler's address, and the seconds in which it has to answer.
+_ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
+_SECONDS_TO_CONNECT = 10
 
 
 def sweep(
@@ -40,13 +46,15 @@ def sweep(
     h: ExactNumber | Sequence[ExactNumber] = (),
     output: str | Path | None = None,
     workers: int | Executor | None = None,
+    cluster: str | None = None,
 ) -> Answered:
     """A scene in floats at every point of a grid, in parallel; `found` has a `SweepAnswer` for each point in order.
 
     The grid has a point for each combination, h varying fastest; values that are not given are the scene's. `output` is
     a file in which answers are kept as they come, and from which the same sweep goes on. `workers` is a number of
-    processes, or an executor of your own, such as that of a dask client. A problem, as for `work_precision`, is swept
-    to its end, and needs methods and h; `parameters` replace some of its own. Raises ValueError.
+    processes, or an executor of your own; `cluster` is the address of a dask scheduler. A problem, as for
+    `work_precision`, is swept to its end, and needs methods and h; `parameters` replace some of its own. Raises
+    ValueError.
 
     >>> from driftproof import sweep
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
@@ -61,8 +69,7 @@ def sweep(
     axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
-    pool = processes(workers) if isinstance(workers, int) else nullcontext(workers)
-    with pool as executor, progress_bar(len(points), "point") as bar:
+    with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
         found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
     return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
 
@@ -86,6 +93,13 @@ def _scene_of(
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
     readouts = ("state_error", *(("energy_change", LARGEST_CHANGE) if problem.energy else ()), "evaluations")
     return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
+
+
+def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:
+    """The executor to use; None leaves the choice to the sweep."""
+    if cluster:
+        return cluster_executor(cluster)
+    return processes(workers) if isinstance(workers, int) else nullcontext(workers)
 
 
 def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:
@@ -116,3 +130,59 @@ def _shown(value: Any) -> str:
 def _cells(readouts: Readouts, names: list[str]) -> list[str]:
     values = [readouts[name] for name in names]
     return ["undefined" if x is None else with_digits(x, _DIGITS) if isinstance(x, float) else str(x) for x in values]
+
+
+class _ClusterExecutor(Executor):
+    """An executor on a dask client that survives the death of a worker between the end of a task and its delivery.
+
+    `Client.get_executor` does not: it looks at the future's status after the result has arrived, and takes the result
+    of a future that is "lost" by then for an exception.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Run fn on a worker; cancelling the future cancels the task."""
+        task, future = self._client.submit(fn, *args, pure=False, **kwargs), Future[Any]()
+
+        def deliver(_: object) -> None:
+            if future.set_running_or_notify_cancel():
+                try:
+                    future.set_result(task.result())
+                except BaseException as error:
+                    future.set_exception(error)
+
+        future.add_done_callback(lambda done: task.cancel() if done.cancelled() else None)
+        task.add_done_callback(deliver)
+        return future
+
+
+@contextmanager
+def cluster_executor(address: str) -> Iterator[Executor]:
+    """An executor on the cluster with its scheduler at `address`, such as tcp://10.0.0.1:8786, during the block.
+
+    Its workers need the same version of driftproof. Work of a worker that is lost is given to others. Raises ValueError
+    for an invalid address and without the extra `cluster`; OSError if there is no scheduler, if it goes away, or if a
+    task has taken several workers with it.
+    """
+    if not _ADDRESS.fullmatch(address):
+        raise ValueError(f"{address!r} is not the address of a scheduler, such as tcp://10.0.0.1:8786")
+    require_package("distributed", "cluster", "--cluster needs distributed")
+    from distributed import Client, KilledWorker
+
+    # What went wrong is raised, and distributed logs it once more with its own traceback.
+    unheard, known = lambda record: False, [*logging.root.manager.loggerDict]
+    loggers = [logging.getLogger(name) for name in known if name.partition(".")[0] == "distributed"]
+    for each in loggers:
+        each.addFilter(unheard)
+    try:
+        with Client(address, timeout=_SECONDS_TO_CONNECT, set_as_default=False) as client:
+            yield _ClusterExecutor(client)
+    except KilledWorker as error:
+        raise ChildProcessError(f"a batch killed the workers at {address}: {error}") from None
+    except CancelledError:
+        raise ConnectionError(f"the connection to the cluster at {address} was lost") from None
+    finally:
+        for each in loggers:
+            each.removeFilter(unheard)

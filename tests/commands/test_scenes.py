@@ -46,6 +46,11 @@ def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, re
     assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
 
 
+def test_a_sweep_on_a_cluster_needs_distributed(refusal, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "pip install 'driftproof[cluster]'" in refusal("sweep", "default", "--cluster", "tcp://localhost:1")
+
+
 @pytest.mark.parametrize("lines", [1, pytest.param(2, marks=pytest.mark.long)], ids=["at the start", "in the midst"])
 def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(lines, tmp_path):
     """As Ctrl-C in a terminal reaches all of the group, processes among them that have hardly begun."""
@@ -79,6 +84,8 @@ REFUSED = {
     ("scene", "--figures", "pictures"): "--figures has no effect without a scene",
     ("scene", "--methods", "rk4"): "--methods has no effect without a scene",
     ("sweep", "default", "--workers", "0"): "'0' is not allowed: the number of processes must be from 1 to 1024",
+    ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",
+    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is not the address of a scheduler, such as tcp://",
     ("sweep", "default", "-o", "."): "is a folder",
     ("report", "default", "-o", "/proc/page.html"): "/proc/page.html: No such file or directory",
     ("report", "default", "-o", "tests"): "tests is a folder; name a file in it",

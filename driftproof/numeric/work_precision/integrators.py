@@ -15,6 +15,7 @@ import numpy as np
 from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
+from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
 
@@ -109,11 +110,17 @@ def steps_at_known_times(problem: Problem, steps: int) -> dict[int, Fraction]:
 
 def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
-    if isinstance(method, FurtherMethod) or not method.explicit:
-        return "implicit, multistep and Rosenbrock methods are only timed for one trajectory"
-    start, run = np.array(float_start(problem))[:, None], compiled_ensemble_runner(method, problem.field)
-    if not fast:
+    if isinstance(method, FurtherMethod):
+        return "multistep and Rosenbrock methods are only timed for one trajectory"
+    start = np.array(float_start(problem))[:, None]
+    run: EnsembleRun
+    if fast:
+        compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
+        run = compiled(method, problem.field)
+    elif method.explicit:
         run = _on_arrays(array_runner(method, problem.field))
+    else:
+        return "implicit methods are only timed compiled"
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), float_step(problem.t, steps)
