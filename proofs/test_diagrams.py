@@ -99,7 +99,7 @@ def test_both_diagrams_show_the_selected_method_and_the_table_all_three() -> Non
     assert not are_drawn(exact_samples("default", RK4), drawn("default", EULER)[1].plot)
     assert not are_drawn(exact_samples("default", EULER)[:-1], drawn("default", EULER)[1].plot)
     for scene in PRESETS.values():
-        shown = document([scene], 1)
+        shown = document([scene])
         (selected,) = re.findall(r'id="scene-1-(\w+)-shown" checked', shown)
         (caption,) = re.findall(r"<caption>(At t = [^<]*)</caption>", shown)
         assert (selected, caption) == (scene.selected, f"At t = 10, each with h = {scene.h}")
@@ -187,7 +187,7 @@ def test_final_states_are_marked_apart_on_one_scale() -> None:
         assert Q(circle(plot, "exact end")[2]) > Q(circle(plot, "samples end")[2])
     plot, other = drawn("default", EULER)[1].plot, exact_samples("default", RK4)[-1]
     assert not is_at(circle(plot, "samples end")[0], plot.x.scale, other[0])
-    page = document([PRESETS["default"]], 1)
+    page = document([PRESETS["default"]])
     fills = dict(re.findall(r"svg \.(exact|samples)\.end \{[^}]*fill: var\(--(\w+)\)", page))
     assert fills == {"exact": "sheet", "samples": "computed"}
     assert re.findall(r"svg \.exact\.end \{[^}]*stroke: var\(--(\w+)\)", page) == ["exact"]

@@ -89,8 +89,9 @@ def work_precision_command(options: Namespace) -> str:
     compiled (extra `fast`) and in plain Python, and of one state of an ensemble; methods take turns, in random order.
 
     What counts in the tables is the error at the end; below each stands who needs the fewest evaluations by the largest
-    on the way: at the reference's times or, of equal steps on a problem of your own, at up to 640 steps. A run counts
-    if all finer ones are as good. A method is dominated if each of its points has a no worse and no dearer one.
+    on the way, and how often it was looked at: at the reference's times or, on a problem of your own, after each step
+    of ours and of scipy (of more than 65536 steps after each k-th). A run counts if all finer ones are as good. A
+    method is dominated if each of its points has a no worse and no dearer one.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run

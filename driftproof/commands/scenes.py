@@ -6,16 +6,13 @@ from argparse import Namespace
 from pathlib import Path
 
 from driftproof.commands import arguments as cli
-from driftproof.support.plain_text import DIGITS_UNASKED
 
 MOST_WORKERS = 1024
-CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=DIGITS_UNASKED)
 
 
 @cli.command(
     cli.option("name", "a preset, or a .toml file of your own; without it, the presets are listed", nargs="?"),
     cli.methods_option("methods instead of the scene's: the first is shown, all are compared"),
-    CERTIFIED_DIGITS,
     cli.option("--figures", "also draw the scene's figures into this folder, as SVG", type=Path, metavar="FOLDER"),
     cli.TEXT_OR_JSON,
 )
@@ -30,7 +27,7 @@ def scene_command(options: Namespace) -> str:
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
 
-    Instead of start and certified, a scene may have problem = "kepler" or another problem that `driftproof stability`
+    Instead of start, a scene may have problem = "kepler" or another problem that `driftproof stability`
     lists, or a .toml file of your own (`driftproof stability --help` shows one); its only panel is then the table.
 
     mine.toml:
@@ -39,7 +36,6 @@ def scene_command(options: Namespace) -> str:
       t = 10
       start = [1, 0]
       readouts = ["state_error", "evaluations"]
-      certified = ["phase_error"]       computed exactly, to as many digits as --digits asks for
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
@@ -86,7 +82,6 @@ def sweep_command(options: Namespace) -> str:
 @cli.command(
     cli.option("scenes", "presets, problems, .toml files, or stiff (default: all presets)", nargs="*", metavar="SCENE"),
     cli.output_option("the HTML file to write", required=True),
-    CERTIFIED_DIGITS,
     cli.methods_option("for problems: keys or .toml files (default: those of `driftproof stability`)"),
 )
 def report_command(options: Namespace) -> str:
@@ -106,5 +101,5 @@ def report_command(options: Namespace) -> str:
     """
     import driftproof
 
-    about = {name: getattr(options, name) for name in ("output", "digits", "methods")}
+    about = {name: getattr(options, name) for name in ("output", "methods")}
     return str(driftproof.report(*options.scenes, **about))

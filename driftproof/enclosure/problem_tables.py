@@ -11,8 +11,11 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from flint import arb, ctx
 
+from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import RightHandSide, time_first
+from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.reproduction import reproduced_field
 from driftproof.enclosure.text_fields import field_function, given_field
 from driftproof.enclosure.traced_fields import field_of_function
@@ -34,6 +37,8 @@ from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys
 
 # Values of some parameters by name, as a mapping or as pairs.
+# Bits with which an expression is evaluated, far more than the 53 of the double that is wanted.
+_BITS = 256
 GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
@@ -149,15 +154,34 @@ def _energy(table: TomlTable) -> str | None:
 
 
 def _arguments(table: TomlTable) -> dict[str, Any]:
-    """The parameters of a function."""
-    given = as_table(table.get("parameters", {}), "parameters")
-    return {name: _argument(x, f"parameters.{name}") for name, x in given.items()}
+    """The parameters of a function: numbers of Python or NumPy as they are, of others the nearest doubles.
+
+    An expression may have pi and earlier parameters in it, which are exact there.
+    """
+    given, found, written = as_table(table.get("parameters", {}), "parameters"), dict[str, Any](), dict[str, str]()
+    for name, value in given.items():
+        plain = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        found[name] = value if plain else _nearest_double(value, f"parameters.{name}", written)
+        written[name] = f"({rate_of_text(str(value), written)})"
+    return found
 
 
-def _argument(value: Any, where: str) -> Any:
-    """The number as f is given it: a number of Python or NumPy as it is, the double nearest to any other."""
-    plain = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    return value if plain else float(rational_entry(value, where))
+def _nearest_double(value: Any, where: str, names: Mapping[str, str]) -> float:
+    """The double nearest to a number or to an expression in pi and the names."""
+    with suppress(ValueError):
+        return float(rational_entry(value, where))
+    if not math.isfinite(found := _expression_in_doubles(str(value), names)):
+        known = ", ".join(["pi", *names])
+        raise ValueError(f"{where} is {quoted(value)}; write a number, or an expression in {known}")
+    return found
+
+
+def _expression_in_doubles(text: str, names: Mapping[str, str] | None = None) -> float:
+    """The double nearest to an expression in pi and the names; NaN if it is none."""
+    with suppress(ValueError, ArithmeticError, Refused), ctx.workprec(_BITS):
+        function = field_function(field_of_text([text], names=names))
+        return float(enclosed_invariant(lambda y: function(y[0] * 0, y), [arb("nan")], text).mid())
+    return math.nan
 
 
 def rational_entry(value: object, where: str) -> Fraction:
@@ -168,10 +192,8 @@ def rational_entry(value: object, where: str) -> Fraction:
     try:
         number: Any = parse_number(str(value), where)
     except ValueError as error:  # perhaps it is written as rates are, such as 2*pi
-        number = math.nan
-        with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
-            number = field_function(field_of_text([str(value)]))(math.nan, [math.nan])[0]
-        if not np.isfinite(number):
+        number = _expression_in_doubles(str(value))
+        if not math.isfinite(number):
             if "is a name" not in str(error):
                 raise
             raise ValueError(f'{where} is {quoted(value)}; write a rational number, such as "1/3" or 0.1') from None

@@ -25,6 +25,7 @@ from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
     NO_SLOPE,
     SHORTEST_PART,
+    DensePiece,
     EnclosedStep,
     Expansion,
     Weights,
@@ -79,16 +80,22 @@ class Enclosure:
 
 
 def enclose_solution(
-    f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = BITS_AT_FIRST
+    f: RightHandSide,
+    start: Sequence[Fraction | arb],
+    times: Sequence[Fraction],
+    bits: int = BITS_AT_FIRST,
+    pieces: list[DensePiece] | None = None,
 ) -> Enclosure:
     """Enclose the solution of y' = f(t, y) with y(times[0]) = start at all `times`, which must increase.
 
-    A start given as balls stands for every point in them. Raises Refused if nothing can be proved.
+    A start given as balls stands for every point in them. A list of `pieces`, empty, gets one for each step but those
+    over a kink. Raises Refused if nothing can be proved.
     """
     with in_bits(bits), np.errstate(all="ignore"):
         function, balls = enclosable(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
+        path.pieces = pieces
         before = list[arb]()
         with suppress(Refused):  # where f starts on a kink, say
             before = linearised(function, Clock(Evaluation(span=(times[0], None)), enclose(times[0])), balls)[0]
@@ -97,6 +104,9 @@ def enclose_solution(
                 states = _states(path, times)
             except Stiff:
                 path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
+                if pieces is not None:
+                    pieces.clear()
+                path.pieces = pieces
                 states = _states(path, times)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
             raise Refused("f or the solution is outside the range of doubles") from None
@@ -136,6 +146,7 @@ class _Path:
         self.weights: Weights | None = None
         self.coupled = 0.0
         self.lengths, self.longest, self.changes = list[Fraction](), LONGEST_STEP, list[Fraction]()
+        self.pieces: list[DensePiece] | None = None  # a list that gets one for each step but those over a kink
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         if t == self.first:
@@ -144,6 +155,8 @@ class _Path:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
             self._advance()
+            if self.pieces is not None and isinstance(self.step, EnclosedStep):
+                self.pieces.append(DensePiece(self.step.t, self.step.h, 0, self.step.polynomials))
         return self.step.state_at(t)
 
     def _advance(self) -> None:

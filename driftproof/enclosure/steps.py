@@ -16,7 +16,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
 from operator import add
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
@@ -98,6 +98,18 @@ class EnclosedStep:
     def around(self, distance: arb) -> list[arb]:
         """Balls around 0, one for each component, of everything within the distance."""
         return [arb(0, (distance * d).upper()) for d in self.weights]
+
+
+class DensePiece(NamedTuple):
+    """The polynomials of a step on [t, t + h] in σ, which is `low` at its begin and 1 at its end.
+
+    They are as near to the solution as its balls are small.
+    """
+
+    t: Fraction
+    h: Fraction
+    low: int
+    polynomials: Sequence[arb_poly]
 
 
 def fewer_steps(most: int, components: int) -> int:

@@ -26,7 +26,7 @@ from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, n
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel, coefficients_of, value_at
 from driftproof.enclosure.numbers import Enclosed
-from driftproof.enclosure.steps import fewer_steps, linearised, obstacle_ahead
+from driftproof.enclosure.steps import DensePiece, fewer_steps, linearised, obstacle_ahead
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits for each stage: 128 bits give 18 stages, whose steps are about as long as the nearest singularity is away.
@@ -93,13 +93,16 @@ class StiffPath:
         self.step: StiffStep | None = None
         self.needed = arb_mat(self.n, 1)
         self.doubles, self.changes = set[float](), list[Fraction]()
+        self.pieces: list[DensePiece] | None = None  # a list that gets one for each step
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
         """Balls of the solution at t, which must not be before the t of an earlier call."""
         if t == self.first:
             return self.start
         while self.step is None or t > self.t:
-            self.advance()
+            step = self.advance()
+            if self.pieces is not None:
+                self.pieces.append(DensePiece(step.t, step.h, -1, step.polynomials))
         return self.step.at(t)
 
     def advance(self) -> StiffStep:

@@ -56,23 +56,36 @@ class ControlledRun:
     table: Any
     work: Callable[[int], Any]
     made: Callable[[Any], Any]
+    zeros: Callable[..., Any]
     timed: bool = False  # t is one more component of the state
     steps: int = 0
     rejected: int = 0
     calls: int = 0
+    rows: Any = ()
 
     def __call__(
         self, y: Sequence[float], end: float, relative: float, absolute: float, most: float = inf
     ) -> tuple[float, ...]:
         """Return the state at t = `end`."""
+        return self._run(y, end, Tolerances(relative, absolute, self.power, self.steady, most), 0)
+
+    def way(self, y: Sequence[float], end: float, relative: float, absolute: float, most: int) -> Sequence[Any]:
+        """Rows of t and y after each step or, if there are more than `most`, after each k-th."""
+        self(y, end, relative, absolute)
+        apart = -(-self.steps // most)
+        self._run(y, end, Tolerances(relative, absolute, self.power, self.steady), self.steps // apart, apart)
+        return [row[: 1 + len(y)] for row in self.rows]
+
+    def _run(self, y: Sequence[float], end: float, given: Tolerances, rows: int, apart: int = 1) -> tuple[float, ...]:
         state, report = self.made((*y, 0.0) if self.timed else y), self.made([0.0] * 5)
-        given = Tolerances(relative, absolute, self.power, self.steady, most)
-        self.loop(state, end, StepControl(given, self.table, self.work(len(state)), report))
+        self.rows = self.zeros(rows, 1 + len(state))
+        self.loop(state, end, StepControl(given, self.table, self.work(len(state)), report, self.rows, apart))
         self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
         if report[step_control.STATE] != step_control.DONE:
-            short = report[step_control.STATE] == step_control.TOO_SHORT
-            why = "no step size meets the tolerance" if short else f"given up after {most:.2g} evaluations"
-            raise ArithmeticError(f"{self.method.key}: {why} from t = {report[step_control.TIME]:g}")
+            if report[step_control.STATE] == step_control.GIVEN_UP:
+                raise ArithmeticError(f"{self.method.key}: given up after {given.most:.2g} evaluations")
+            at = f"from t = {report[step_control.TIME]:g}"
+            raise ArithmeticError(f"{self.method.key}: no step size meets the tolerance {at}")
         return tuple(map(float, state[: len(y)]))
 
 
@@ -102,7 +115,7 @@ def controlled_runner(method: Entry, field: VectorField, *, compiled: bool = Fal
         power, steady, work = len(known.c) + 1.0, STEADY, partial(work_for, table=known, writers=writers)
     steps = partial(loop(controlled_steps, compiled=compiled), writers, loop(attempt, compiled=compiled))
     made = maker_of_rows(compiled=compiled)
-    return ControlledRun(method, steps, power, steady, table, work, made, timed)
+    return ControlledRun(method, steps, power, steady, table, work, made, writers.zeros, timed)
 
 
 def _rosenbrock_pair(method: Rosenbrock, field: VectorField, *, compiled: bool) -> RosenbrockTable:

@@ -9,6 +9,8 @@ import numpy as np
 # A float or an array of them; pairs (q, v) broadcast against each other.
 FloatOrArray: TypeAlias = Any
 FloatState: TypeAlias = tuple[FloatOrArray, FloatOrArray]
+# Readouts of all states on the way, which are then kept.
+TRAJECTORY, LARGEST_CHANGE = ON_THE_WAY = ("trajectory", "largest_energy_change")
 
 
 def exact_state(start: FloatState, t: FloatOrArray) -> FloatState:

@@ -11,52 +11,105 @@ import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import ROUND_FLOOR, Decimal, DecimalException, InvalidOperation, localcontext
 from fractions import Fraction
-from math import atan2, degrees, dist, hypot, isfinite
+from math import atan2, degrees, isfinite
 from operator import add, ge, gt, le, lt, mul, sub, truediv
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import VectorField, partial_derivative
-from driftproof.numeric.advance import rests_at_origin
-from driftproof.numeric.problems.problem import Digits, Problem
+from driftproof.numeric.advance import field_rate, rests_at_origin
+from driftproof.numeric.engine import functions_of
+from driftproof.numeric.problems.problem import DenseSolution, Digits, Problem
+from driftproof.numeric.readouts import phase_error
 
 _DIGITS = 60
 # Chosen: the largest exponent of an angle. Products of a few doubles are below it, and its sine takes a hundredth of a
 # second.
 _LARGEST_ANGLE = 1000
+# States whose energies floats find largest; rounding may exchange neighbours. Chosen.
+_CANDIDATES = 8
 U = Fraction(1, 2**53)
 STATE, ENERGY, PHASE = "state", "energy", "phase"
 QUANTITIES = (STATE, ENERGY, PHASE)
+# Which of a run's errors is meant.
+ENDS = ("final", "largest")
 _Floats: TypeAlias = Sequence[float]
 _OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
 
 
 class Size(NamedTuple):
-    """An error at the end, and the largest one at those of the times with a known solution that the run landed on."""
+    """An error at the end, the largest one of those that were looked at, and at how many times that was."""
 
     final: float
     largest: float
+    looks: int = 1
 
 
-def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Size]:
+class Way(NamedTuple):
+    """The states of a run at some times on the way and at its end, rows of an array, where a dense solution is known.
+
+    >>> Way.of([0.5, 1.0], [(1.0, 0.0), (2.0, 0.0)]).states.shape
+    (2, 2)
+    """
+
+    times: NDArray[np.float64]
+    states: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, times: Iterable[float], states: Iterable[_Floats]) -> Way:
+        """The way through these states."""
+        return cls(np.array([*times], float), np.array([[*state] for state in states], float))
+
+
+def errors(problem: Problem, states: Mapping[Fraction, _Floats], way: Way | None = None) -> dict[str, Size]:
     """The sizes of the errors of a run, from its states at some of the reference's times, its last one among them.
 
     `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, if the problem has an energy. `phase`: degrees, for the
-    oscillator only; undefined at the origin, where it counts as half a turn. Raises ArithmeticError for a state that is
-    not finite.
+    oscillator only; undefined at the origin, where it counts as half a turn. With a `way` the largest are those of all
+    its states, too, in doubles. Raises ArithmeticError for a state that is not finite.
     """
     if not all(isfinite(x) for state in states.values() for x in state):
         raise ArithmeticError("the state is no longer finite")
     digits = dict(zip(problem.reference.times, problem.reference.states, strict=True))
-    near, at = dict(problem.reference.between), [t for t in sorted(states) if t in digits]
-    off = [dist(states[t], near[t]) for t in states if t in near]
-    found = {STATE: [*off, *(distance_from_digits(states[t], digits[t]) for t in at)]}
+    at = [t for t in sorted(states) if t in digits]
+    found = {STATE: [distance_from_digits(states[t], digits[t]) for t in at]}
     if problem.energy is not None:
         before = decimal_energy(problem, problem.start)
         found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in at]
     if is_oscillator(problem):
         found[PHASE] = [_phase(states[t], digits[t]) for t in at]
-    return {name: Size(sizes[-1], max(sizes)) for name, sizes in found.items()}
+    dense = problem.reference.dense
+    also = {} if dense is None or way is None else _largest_on(way, problem, dense)
+    looks = max(len(at), len(way.times) if also and way else 0)
+    return {name: Size(x[-1], max(*x, also.get(name, 0.0), 0.0), looks) for name, x in found.items()}
+
+
+def _largest_on(way: Way, problem: Problem, dense: DenseSolution) -> dict[str, float]:
+    """The largest errors at the states of a way."""
+    true = dense.at(way.times)
+    found = {STATE: float(np.hypot.reduce(way.states - true, axis=1).max())}
+    if problem.energy is not None:
+        found[ENERGY] = abs(largest_energy_change(problem, way.states))
+    if is_oscillator(problem):
+        ahead = np.abs(phase_error(tuple(way.states.T), tuple(true.T)))
+        found[PHASE] = float(np.nan_to_num(ahead, nan=180.0).max())
+    return found
+
+
+def largest_energy_change(problem: Problem, states: NDArray[np.float64]) -> float:
+    """E(y) - E(y(0)) where it is largest in size: found in floats, computed in Decimals.
+
+    Raises ArithmeticError where the energy has no value.
+    """
+    energy = VectorField((problem.energy or "0",) * len(problem.start), problem.field.parameters)
+    before = decimal_energy(problem, problem.start)
+    with np.errstate(all="ignore"):
+        floats = np.zeros(len(states)) + field_rate(energy, functions_of(np))(0.0, states.T)[0]
+        nearly = np.argsort(np.abs(floats - float(before)))[-_CANDIDATES:]  # NaN is last
+    return max((float(decimal_energy(problem, states[i]) - before) for i in nearly), key=abs)
 
 
 def is_oscillator(problem: Problem) -> bool:
@@ -95,7 +148,8 @@ def floors(problem: Problem) -> dict[str, float]:
 def largest_state_size(problem: Problem) -> float:
     """Q, the largest norm of the start and of the reference's states: larger errors say nothing about the solution."""
     sizes = (_length(map(Fraction, state)) for state in problem.reference.states)
-    return max(_length(problem.start), *sizes, *(hypot(*state) for _, state in problem.reference.between))
+    dense = problem.reference.dense
+    return max(_length(problem.start), *sizes, 0.0 if dense is None else dense.largest)
 
 
 def doubt(problem: Problem, steps: int, speed: float) -> float:

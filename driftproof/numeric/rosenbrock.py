@@ -168,7 +168,7 @@ def rosenbrock_attempt(
     writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
 ) -> float:
     """Attempt a step of an autonomous system; the error is h Σ (bᵢ - b̂ᵢ) kᵢ."""
-    given, table, work, report = control
+    given, table, work, report, _, _ = control
     if moved:
         _begin_step(writers, y, work)
         report[EVALUATIONS] += 1

@@ -16,7 +16,7 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Step, oscillator
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
-from driftproof.numeric.readouts import FloatOrArray, FloatState
+from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY, TRAJECTORY, FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
     h, t = nearest_double(scene.h, "h"), _nearest_time(scene.t)
-    path = [start] if "trajectory" in scene.readouts else None
+    path = None if {*ON_THE_WAY}.isdisjoint(scene.readouts) else [start]
     record = (lambda q, v: path.append((q, v))) if path is not None else None
     state = integrate(_float_step(method_of(scene.method(key))), force, start, h, scene.steps, record, counter)
     finished = _Finished(scene, t, start, state, getattr(force, "calls", None), path)
@@ -161,11 +161,16 @@ _READ: dict[str, Callable[[_Finished], Any]] = {
     "state_error": lambda run: float(readouts.state_error(run.state, run.exact)),
     "energy": lambda run: float(readouts.energy(run.state)),
     "energy_change": lambda run: float(readouts.float_energy_change(run.state, run.start)),
+    LARGEST_CHANGE: lambda run: _largest(readouts.float_energy_change(tuple(np.array(run.path).T), run.start)),
     "phase_error": lambda run: readouts.phase_error(run.state, run.exact),
     "steps": lambda run: run.scene.steps,
     "evaluations": lambda run: run.evaluations,
-    "trajectory": lambda run: (times_of_steps(run.scene.h, run.scene.steps), np.array(run.path)),
+    TRAJECTORY: lambda run: (times_of_steps(run.scene.h, run.scene.steps), np.array(run.path)),
 }
+
+
+def _largest(changes: FloatOrArray) -> float:
+    return float(changes[np.abs(changes).argmax()])
 
 
 def _finite_readout(name: str, finished: _Finished) -> Any:

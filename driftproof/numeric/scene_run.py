@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY, TRAJECTORY
 from driftproof.numeric.run import (
     Counter,
     NonFiniteReadout,
@@ -21,7 +22,7 @@ from driftproof.numeric.run import (
     run_method,
     times_of_steps,
 )
-from driftproof.numeric.scenes import TRAJECTORY, Scene
+from driftproof.numeric.scenes import Scene
 
 
 def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
@@ -39,13 +40,13 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
     from driftproof.numeric.advance import State, advance, evaluations_of, float_start, float_step
-    from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
+    from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits, largest_energy_change
     from driftproof.numeric.stability import STEPS_BETWEEN_CHECKS, observe
 
     method = scene.method(key)
     run, start = advance(method, problem), float_start(problem)
     path, ticks = [start], enumerate(counter(scene.steps), start=1)
-    keep = TRAJECTORY in scene.readouts
+    keep = not {*ON_THE_WAY}.isdisjoint(scene.readouts)
 
     def look(done: int, y: State) -> None:
         path.extend([y] if keep else [])
@@ -66,6 +67,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         "state_error": lambda: distance_from_digits(seen.state, digits),
         "energy": lambda: float(energy(seen.state)),
         "energy_change": lambda: float(energy(seen.state) - energy(problem.start)),
+        LARGEST_CHANGE: lambda: largest_energy_change(problem, np.array([[*y] for y in path])),
         "steps": lambda: scene.steps,
         "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),

@@ -18,13 +18,12 @@ from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
-TRAJECTORY = "trajectory"
-# The readouts that can be certified to any number of digits; then all readouts.
-CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
-READOUTS = (*CERTIFIABLE, "steps", "evaluations", TRAJECTORY)
+_OF_THE_END = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
+READOUTS = (*_OF_THE_END, "steps", "evaluations", *ON_THE_WAY)
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
 # Panels about all methods of a scene: error against evaluations, and what is proved about their powers at this h.
@@ -47,9 +46,8 @@ class Scene:
 
     `selected` is the method whose readouts and figures are shown; `methods` are compared in the table panel. They are
     keys, files, and names of `own` methods. h, t and start are exact: Fractions. `readouts` are computed in floats,
-    `certified` ones exactly, to any number of digits; `panels` are drawn. Nothing else is computed. With a `problem`, t
-    is one of its reference's times, and there are no certified readouts, phase errors or drawn panels. Raises
-    SceneError.
+    `panels` are drawn. Nothing else is computed. With a `problem`, t is one of its reference's times, and there are no
+    phase errors or drawn panels. Raises SceneError.
 
     >>> from fractions import Fraction
     >>> from driftproof import Scene
@@ -64,7 +62,6 @@ class Scene:
     start: tuple[Fraction, Fraction] = _LESSON_START
     methods: tuple[str, ...] = ()
     readouts: tuple[str, ...] = ()
-    certified: tuple[str, ...] = ()
     panels: tuple[str, ...] = ()
     problem: Problem | None = None
     own: NamedMethods = ()
@@ -73,10 +70,9 @@ class Scene:
         """Raise SceneError for an unknown name, an empty request, or an h that does not divide t."""
         if Path(self.name).name != self.name:
             raise SceneError(f"scene {self.name!r}: the name must not contain a folder, as files are named after it")
-        if not (self.readouts or self.certified or self.panels):
-            raise SceneError(f"scene {self.name!r} computes nothing; give readouts, certified or panels")
+        if not (self.readouts or self.panels):
+            raise SceneError(f"scene {self.name!r} computes nothing; give readouts or panels")
         _check_names(self.name, "readout", self.readouts, READOUTS)
-        _check_names(self.name, "certified readout", self.certified, CERTIFIABLE)
         _check_names(self.name, "panel", self.panels, PANELS)
         if TABLE in self.panels and not self.methods:
             raise SceneError(f"scene {self.name!r} has the panel table, but no methods to compare; give methods")
@@ -93,9 +89,7 @@ class Scene:
         """Raise SceneError for what only the oscillator has, and for a time without a reference solution."""
         if self.start != _LESSON_START:
             raise SceneError(f"scene {self.name!r}: the problem fixes the start; remove `start`")
-        if self.certified:
-            raise SceneError(f"scene {self.name!r}: a problem has no certified readouts; use `driftproof certify`")
-        energies = () if problem.energy else ("energy", "energy_change")
+        energies = () if problem.energy else ("energy", "energy_change", LARGEST_CHANGE)
         there_are = [name for name in READOUTS if name not in ("phase_error", *energies)]
         for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
             if absent := [name for name in names if name not in allowed]:
@@ -131,7 +125,7 @@ def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str
 
 def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
     methods, shown = ("forward_euler", "symplectic_euler", "rk4"), (TABLE, *FIGURES, *panels)
-    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[:-1], panels=shown)
+    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[: -len(ON_THE_WAY)], panels=shown)
 
 
 PRESETS: dict[str, Scene] = {
@@ -192,7 +186,7 @@ def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) ->
         h=_rational(table["h"], "h"),
         t=problem.t if problem and "t" not in table else _rational(table["t"], "t"),
         start=(_rational(start[0], "start[0]"), _rational(start[1], "start[1]")),
-        **{key: as_texts(table.get(key, []), key) for key in ("methods", "readouts", "certified", "panels")},
+        **{key: as_texts(table.get(key, []), key) for key in ("methods", "readouts", "panels")},
         problem=problem,
         own=(),
     )

@@ -135,7 +135,7 @@ def _correct(table: CollocationTable, work: Work, band: Band) -> None:
 
 def _iterated(writers: FieldWriters, t: float, y: Any, h: float, control: StepControl) -> float:
     """Correct the moves once; return the size of the correction."""
-    given, table, work, report = control
+    given, table, work, report, _, _ = control
     moves, slopes, changes = work.moves, work.slopes, work.corrections
     for i in range(len(table.c)):
         add_to(y, moves[i], work.x)
@@ -194,7 +194,7 @@ def _extrapolate(h: float, table: CollocationTable, work: Work) -> None:
 
 def _estimated_error(y: Any, h: float, new: Any, slope: Any, band: Band, control: StepControl) -> float:
     """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h), by the first block, into `work.off`; return its size."""
-    given, table, work, _ = control
+    given, table, work, _, _, _ = control
     for k in range(len(y)):
         work.off[k] = slope[k] + combined(table.estimate, work.moves, len(table.c), k) / h
     solve(work.matrices[0], work.exchanged[0], len(y), work.off, band.lower, band.upper)
@@ -205,7 +205,7 @@ def collocation_attempt(
     writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
 ) -> float:
     """Attempt a step; see `numeric.step_control`."""
-    _, table, work, report = control
+    _, table, work, report, _, _ = control
     n, memory, band = len(y), work.memory, writers.band
     if moved:
         memory[BEFORE], memory[CURRENT] = memory[TRIED], False

@@ -43,12 +43,17 @@ class Tolerances(NamedTuple):
 
 
 class StepControl(NamedTuple):
-    """What a controlled run is given, and its report; the table and the workspace are those of its attempts."""
+    """What a controlled run is given, and its report; the table and the workspace are those of its attempts.
+
+    After each step of a multiple of `apart` its t and y are written into the next row of the `way`, if there is one.
+    """
 
     given: Tolerances
     table: Any
     work: Any
     report: Any
+    way: Any = ()
+    apart: int = 1
 
 
 # attempt(writers, t, y, h, moved, new, control) writes the state at t + h into `new` and returns the size of its error;
@@ -95,7 +100,7 @@ def _first_step(writers: FieldWriters, y: Any, end: float, given: Tolerances, re
 
 def controlled_steps(writers: FieldWriters, attempt: StepAttempt, y: Any, end: float, control: StepControl) -> None:
     """Overwrite y, the state at t = 0, with that at `end`, unless the run ends in another state of the report."""
-    given, _, _, report = control
+    given, _, _, report, way, apart = control
     n, t, moved, new = len(y), 0.0, True, writers.zeros(len(y))
     h = _first_step(writers, y, end, given, report)
     while t < end:
@@ -108,6 +113,11 @@ def controlled_steps(writers: FieldWriters, attempt: StepAttempt, y: Any, end: f
             for k in range(n):
                 y[k] = new[k]
         report[STEPS if moved else REJECTED] += 1
+        row, rest = divmod(int(report[STEPS]), apart)
+        if moved and rest == 0 and row <= len(way):
+            way[row - 1][0] = t
+            for k in range(n):
+                way[row - 1][1 + k] = y[k]
         factor = SAFETY * exp(-log(max(error, SMALLEST)) / given.power) if isfinite(error) else 0.0
         if not 1 <= factor <= given.steady:
             h *= min(MOST_LONGER, max(MOST_SHORTER, factor))
@@ -121,7 +131,7 @@ def pair_attempt(
     writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
 ) -> float:
     """Attempt a step; `work` has a row for f at the start, one for the last f, and one for the error."""
-    given, table, (first, last, off), report = control
+    given, table, (first, last, off), report, _, _ = control
     if moved and (t == 0 or not table.keeps):
         writers.rate(t, y, first)
         report[EVALUATIONS] += 1

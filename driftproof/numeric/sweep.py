@@ -27,9 +27,10 @@ from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof import __version__
+from driftproof.numeric.readouts import TRAJECTORY
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scene_run import run_scene
-from driftproof.numeric.scenes import TRAJECTORY, Scene
+from driftproof.numeric.scenes import Scene
 from driftproof.support.files import atomic_write, naming, require_file, sole_writer
 
 # The values of one point, by the names of fields of a scene.
@@ -208,7 +209,7 @@ def run_points(scene: Scene, points: Sequence[Values]) -> tuple[list[Found], flo
 
 def _run_point(scene: Scene, values: Values) -> Found:
     try:
-        at = replace(scene, **values, methods=(), certified=(), panels=())
+        at = replace(scene, **values, methods=(), panels=())
         return run_scene(at, at.selected)
     except (ValueError, ArithmeticError) as stopped:
         return str(stopped)

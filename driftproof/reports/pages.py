@@ -16,7 +16,7 @@ from driftproof.reports.scenes import scene_given
 from driftproof.reports.stability import STABILITY_METHODS
 from driftproof.reports.user_problem import GivenProblem, names_problem, problem_given
 from driftproof.support.files import atomic_write, require_file
-from driftproof.support.plain_text import DIGITS_UNASKED, as_json
+from driftproof.support.plain_text import as_json
 from driftproof.support.results import Printable
 
 
@@ -46,7 +46,6 @@ class Page(Printable):
 def report(
     *scenes: GivenProblem | Scene | Sequence[GivenProblem | Scene],
     output: str | Path | None = None,
-    digits: int = DIGITS_UNASKED,
     methods: GivenMethods = (),
 ) -> Page:
     """Scenes and problems as one page of HTML, written to `output`; the presets if none is named.
@@ -65,10 +64,8 @@ def report(
     parts = [_part(each, methods) for each in named or PRESETS]
     if methods and all(isinstance(part, Scene) for part in parts):
         raise ValueError("methods are for problems, and none is named; `driftproof scene NAME --methods` takes them")
-    if digits != DIGITS_UNASKED and not any(isinstance(part, Scene) and part.certified for part in parts):
-        raise ValueError("digits are for certified readouts, and no scene of these has any")
     titles = tuple(scene_title(part) if isinstance(part, Scene) else part.title for part in parts)
-    page = Page(document(parts, digits, count_steps), titles, path)
+    page = Page(document(parts, count_steps), titles, path)
     if path is not None:
         with atomic_write(path) as draft:
             Path(draft).write_text(page.html, encoding="utf-8", newline="\n")

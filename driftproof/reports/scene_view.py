@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TABLE, Scene
@@ -25,8 +25,8 @@ UNDEFINED = "undefined at the origin"
 _LONGEST_CELL = 40
 
 
-def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
-    """{"readouts", "certified", "table"} of the scene, each present only if the scene asks for it.
+def show_scene(scene: Scene, counter: Counter = range) -> dict[str, Any]:
+    """{"readouts", "table"} of the scene, each present only if the scene asks for it.
 
     A method whose run overflows, or that does not apply to the problem, has the message in the place of its readouts;
     the others are still shown.
@@ -34,8 +34,6 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
     shown: dict[str, Any] = {}
     if scene.readouts:
         shown["readouts"] = runs_of(scene, scene.readouts, [scene.selected], counter)[scene.selected]
-    if scene.certified:
-        shown["certified"] = certified(scene, digits)
     if TABLE in scene.panels:
         left_out = ("energy_change",) if scene.problem and not scene.problem.energy else ()
         names = [name for name in COMPARED_READOUTS if name not in left_out]
@@ -72,8 +70,6 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
     if "readouts" in shown:
         readouts = shown["readouts"]
         parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts, scene.problem)))
-    if "certified" in shown:
-        parts.append("Certified\n\n" + table(certified_rows(shown["certified"])))
     if "table" in shown:
         rows, remarks = comparison_rows(scene, shown["table"])
         compared = "\n\n".join([table(rows, right=(1, 2, 3)), *remarks])
@@ -94,18 +90,7 @@ def starts_of(scene: Scene) -> dict[str, str]:
 
 def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
     """The same run with other readouts, and no panels."""
-    return replace(scene, methods=(), readouts=tuple(readouts), certified=(), panels=())
-
-
-def certified(scene: Scene, digits: int) -> dict[str, Any]:
-    """The certified readouts of the scene's selected method, with `digits` digits."""
-    from driftproof.symbolic.algebra.certified import HALF_EVEN
-    from driftproof.symbolic.runs import OscillatorRun
-    from driftproof.texts.writing.answers import run_answer
-
-    run = OscillatorRun(method_of(scene.method(scene.selected)), scene.h, scene.t, scene.start)
-    answer = run_answer(run, digits, HALF_EVEN)
-    return {name: answer[name] for name in scene.certified}
+    return replace(scene, methods=(), readouts=tuple(readouts), panels=())
 
 
 def _fixed(places: int) -> Callable[[float], str]:
@@ -124,6 +109,7 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
     "state_error": ("State error", _fixed(6)),
     "energy": ("Final energy", _fixed(6)),
     "energy_change": ("Energy change", _fixed(6)),
+    LARGEST_CHANGE: ("Largest energy change", _fixed(6)),
     "phase_error": ("Wrapped phase error (degrees)", _fixed(3)),
     "steps": ("Steps", str),
     "evaluations": ("Acceleration evaluations", str),
@@ -136,7 +122,7 @@ _components = _pair(lambda x: with_digits(x, _DIGITS))
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
-    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change")},
+    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change", LARGEST_CHANGE)},
     "evaluations": ("Evaluations of f", str),
 }
 
@@ -149,17 +135,6 @@ def readout_rows(readouts: Readouts, problem: Problem | None = None) -> list[lis
     return [
         [label.replace(" y", f" {own}"), UNDEFINED if value is None else show(value)] for label, show, value in shown
     ]
-
-
-def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
-    """Label and value of each certified readout; a state has a row for each of its two components."""
-    rows = []
-    for name, value in certified.items():
-        parts = {"": value} if value is None or "decimal" in value else value
-        for component, number in parts.items():
-            shown = UNDEFINED if number is None else number["decimal"]
-            rows.append([f"{_SHOWN[name][0]} {component}".strip(), shown])
-    return rows
 
 
 def comparison_rows(scene: Scene, rows: dict[str, Readouts | str]) -> tuple[list[list[str]], list[str]]:

@@ -11,7 +11,7 @@ from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, scene_name
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
-from driftproof.support.plain_text import DIGITS_UNASKED, table
+from driftproof.support.plain_text import table
 from driftproof.support.results import Answered
 
 
@@ -30,14 +30,13 @@ def scene(
     name: str | Path | Scene | None = None,
     *,
     methods: GivenMethods = (),
-    digits: int = DIGITS_UNASKED,
     figures: str | Path | None = None,
 ) -> Answered:
-    """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
+    """A preset, or a scene of your own, run in floats: the readouts and the table that it asks for.
 
     `methods` replace those of the scene: the first is shown, all are compared. Without a name, the presets are listed:
-    the method shown, h, t and the number of steps. `found` has the results as numbers; `digits` are those of
-    certified readouts. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
+    the method shown, h, t and the number of steps. `found` has the results as numbers; `figures` names a folder
+    for the scene's figures, as SVG. Raises ValueError.
 
     >>> from driftproof import scene
     >>> scene("stability_boundary").found["readouts"]["final_state"]
@@ -53,13 +52,11 @@ def scene(
     if keys:
         panels = tuple(dict.fromkeys((*about.panels, TABLE)))
         about = replace(about, selected=keys[0], methods=tuple(keys), own=own, panels=panels)
-    if digits != DIGITS_UNASKED and not about.certified:
-        raise ValueError(f"digits are for certified readouts, and scene {about.name!r} has none")
     if figures is not None:
         if not {*FIGURES} & {*about.panels}:
             raise ValueError(f"scene {about.name!r} has no figure to draw: give panels {' or '.join(FIGURES)}")
         require_folder(Path(figures))
-    shown, wrote = show_scene(about, digits, count_steps), ""
+    shown, wrote = show_scene(about, count_steps), ""
     if figures is not None:
         from driftproof.reports.page.trajectory import write_figures
 

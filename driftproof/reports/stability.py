@@ -39,7 +39,7 @@ from driftproof.numeric.stability import (
     stays_bounded,
 )
 from driftproof.reports.progress import with_progress
-from driftproof.reports.stability_tables import DIGITS, FOLLOWS, limit_text, problems_text, stability_text
+from driftproof.reports.stability_tables import DIGITS, FOLLOWS, STABLE_FROM, limit_text, problems_text, stability_text
 from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
@@ -159,8 +159,10 @@ def steps_in_words(problem: Problem, method: Entry) -> str:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
         return limit_text(_proved_limit(_system_facts(method, problem.matrix)))
-    fewest, most = _nonlinear_part(problem, method, runs).values()
-    return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
+    found = _nonlinear_answer(problem, method, runs)
+    fewest, most = found["fewest_steps"], found["looked_up_to"]
+    stable = f"{STABLE_FROM} {found['decay']['stable_from']} on" if "decay" in found else ""
+    return f"not with {most} steps{stable}" if fewest is None else f"from {counted(fewest, 'step')} on{stable}"
 
 
 def _system_facts(method: Entry, rows: Sequence[Sequence[Fraction]]) -> LinearSystem:
@@ -237,15 +239,22 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
 
 
 def _nonlinear_answer(problem: Problem, method: Entry, runs: Advance) -> Json:
-    """`_nonlinear_part`, and from how many steps on the fastest decay along the solution is stable, if fewer follow."""
-    found = _nonlinear_part(problem, method, runs)
-    facts = MultistepFacts(method) if isinstance(method, Multistep) else Facts(_on_linear_problems(method))
-    limit, fewest = facts.real_limit, found["fewest_steps"]
-    if fewest is None or not isinstance(limit, RealRoot) or limit == ZERO_ROOT:
+    """`_nonlinear_part`, and from how many steps on the fastest decay along the solution is stable, if that is more.
+
+    It is more than the fewest that follow or, if none does, than were tried.
+    """
+    found, (decay, at) = _nonlinear_part(problem, method, runs), fastest_decay(problem)
+    stable = steps_for_decay(method, problem.t, decay)
+    if stable <= (found["fewest_steps"] or found["looked_up_to"]):
         return found
-    decay, at = fastest_decay(problem)
-    stable = ceil(float(problem.t) * decay / float(limit))
-    return found | ({"decay": {"rate": repr(decay), "t": repr(at), "stable_from": stable}} if fewest < stable else {})
+    return found | {"decay": {"rate": repr(decay), "t": repr(at), "stable_from": stable}}
+
+
+def steps_for_decay(method: Entry, t: Fraction, decay: float) -> int:
+    """The number of steps to t from which on y' = -decay y is stable; 0 if every h is, or no small one."""
+    facts = MultistepFacts(method) if isinstance(method, Multistep) else Facts(_on_linear_problems(method))
+    limit = facts.real_limit
+    return ceil(float(t) * decay / float(limit)) if isinstance(limit, RealRoot) and limit != ZERO_ROOT else 0
 
 
 def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:

@@ -9,6 +9,8 @@ from math import inf
 from driftproof.support.plain_text import Json, table, with_digits
 
 DIGITS = 6
+# The words before the number of steps with which the fastest decay along a solution is stable.
+STABLE_FROM = ", stable from"
 # Characters of an exact number that is shown in a table.
 _LONGEST_EXACT = 24
 # A run whose error is up to this part of the size of the solution follows it; with an error above that size it is lost.
@@ -52,10 +54,12 @@ def _decay_text(entries: Sequence[Json]) -> str:
     if not seen:
         return ""
     rate, t = (with_digits(float(seen[0][1][name]), 3) for name in ("rate", "t"))
+    short = any(entry["fewest_steps"] for entry in entries if "decay" in entry)
+    late = "with fewer steps growth may have had no time to show, and a longer run may be lost"
     needed = ", ".join(f"{each['stable_from']} on with {key}" for key, each in seen)
     return (
         f"\n\nBut the fastest decay along the solution, at t = {t}, is that of y' = -{rate} y, which is stable from "
-        f"N = {needed};\nwith fewer steps growth may have had no time to show, and a longer run may be lost"
+        f"N = {needed};\n{late if short else 'that many were not tried'}"
     )
 
 

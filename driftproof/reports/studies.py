@@ -9,11 +9,13 @@ from fractions import Fraction
 from pathlib import Path
 
 from driftproof.enclosure.problem_tables import GivenParameters
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import progress_bar
+from driftproof.reports.stability import steps_for_decay
 from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
@@ -22,8 +24,6 @@ from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered
 
-# The limit of h for RK4 on y' = -y, to three digits.
-RK4_LIMIT = 2.79
 # The lesson's three, and one method of each further kind.
 WORK_PRECISION_METHODS = (
     *("forward_euler", "symplectic_euler", "rk4"),
@@ -91,8 +91,8 @@ def work_precision(
             written = [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     stiff = (
-        f"This is stiff: an eigenvalue of df/dy is {-decay:.2g} at t = {at:g}, where errors of rk4 grow in steps above"
-        f" {RK4_LIMIT / decay:.2g}, some {decay * about.t / RK4_LIMIT:.0f} in the run; those of implicit methods do not"
+        f"This is stiff: an eigenvalue of df/dy is {-decay:.3g} at t = {at:g}, where errors of rk4 grow in a run of"
+        f" fewer than {steps_for_decay(METHODS['rk4'], about.t, decay)} steps; those of implicit methods do not"
         if usual is _FOR_STIFF
         else ""
     )

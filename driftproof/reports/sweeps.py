@@ -14,6 +14,7 @@ from typing import Any
 from driftproof.methods.given_methods import GivenMethods, names_of
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.readouts import LARGEST_CHANGE
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
@@ -90,7 +91,7 @@ def _scene_of(
     (keys, own), steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
-    readouts = ("state_error", *(("energy_change",) if problem.energy else ()), "evaluations")
+    readouts = ("state_error", *(("energy_change", LARGEST_CHANGE) if problem.energy else ()), "evaluations")
     return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
 
 

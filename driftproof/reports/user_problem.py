@@ -10,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
 from flint import arb, ctx, fmpq_mat
 
 from driftproof.enclosure.certificate import decimal
@@ -18,6 +19,7 @@ from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.steps import DensePiece
 from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
@@ -26,7 +28,7 @@ from driftproof.methods.rationals import brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
-from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
+from driftproof.numeric.problems.problem import CERTIFIED, DenseSolution, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
 from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
@@ -37,10 +39,8 @@ from driftproof.symbolic.linear.systems import SystemFacts
 
 # As many as the references of our own problems have.
 ENCLOSED_DIGITS = 20
-# The reference's times divide the interval into this many equal parts. Doubles of the solution are kept at the ends of
-# as many parts as the runs of up to PARTS << 6 steps have, and of one part more, which no period divides as well.
+# The reference's times divide the interval into this many equal parts.
 PARTS = 10
-PARTS_BETWEEN = (PARTS << 6, (PARTS << 6) + 1)
 # A linear problem of more components gets no proof of its stability: the eigenvalues of twice as many take minutes.
 MOST_PROVED = 20
 # A ball so many digits narrower than the digits of the largest component is of a component that has died out: errors of
@@ -128,14 +128,13 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
     f, bits, refusal = field_function(field), BITS_AT_FIRST, None
     for _ in range(_MOST_ATTEMPTS):
         try:
-            between = {times[-1] * Fraction(k, parts) for parts in PARTS_BETWEEN for k in range(1, parts)}
-            found = enclose_solution(f, list(start), sorted({Fraction(0), *times, *between}), bits)
+            pieces = list[DensePiece]()
+            found = enclose_solution(f, list(start), sorted({Fraction(0), *times}), bits, pieces)
             true = dict(zip(found.times, found.states, strict=True))
             with ctx.workprec(bits):
                 digits = tuple(tuple(_digits(x, size(true[t])) for x in true[t]) for t in times)
             said = f"enclosed in {found.steps} steps, {bits} bits"
-            more = tuple((t, tuple(map(float, true[t]))) for t in sorted(between - {*times}))
-            return Reference(tuple(times), digits, CERTIFIED, said, more, found.changes)
+            return Reference(tuple(times), digits, CERTIFIED, said, dense_of(pieces), found.changes)
         except Refused as reason:
             refusal = Refused(str(reason).replace(TWO_RUNS, "give the problem an end before it"), reason.t)
             if reason.t is None:  # more bits lead no further
@@ -144,6 +143,14 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
             refusal = None
         bits = bits * 3 // 2
     raise refusal or Refused(f"the solution cannot be enclosed to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
+
+
+def dense_of(pieces: Sequence[DensePiece]) -> DenseSolution:
+    """The solution in doubles from the pieces of its enclosure."""
+    most = max(len(p) for piece in pieces for p in piece.polynomials)
+    rows = [[[*map(float, p), *[0.0] * (most - len(p))] for p in piece.polynomials] for piece in pieces]
+    begins, lengths, low = np.array([(float(each.t), float(each.h), each.low) for each in pieces]).T
+    return DenseSolution(begins, lengths, low, np.array(rows))
 
 
 def _digits(x: arb, largest: arb) -> str:

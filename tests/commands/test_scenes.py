@@ -83,8 +83,6 @@ REFUSED = {
     ("scene", "default", "--figures", "pyproject.toml"): "pyproject.toml is a file; name a folder",
     ("scene", "--figures", "pictures"): "--figures has no effect without a scene",
     ("scene", "--methods", "rk4"): "--methods has no effect without a scene",
-    ("scene", "default", "--digits", "5"): "digits are for certified readouts, and scene 'default' has none",
-    ("report", "kepler", "--digits", "5", "-o", "r.html"): "digits are for certified readouts, and no scene of these",
     ("sweep", "default", "--workers", "0"): "'0' is not allowed: the number of processes must be from 1 to 1024",
     ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",
     ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is not the address of a scheduler, such as tcp://",

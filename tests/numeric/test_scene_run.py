@@ -51,6 +51,9 @@ def test_readouts_of_a_problem_are_those_of_a_run_by_hand() -> None:
     energies = [(u * u + v * v) / 2 - 0.64 / hypot(x, y) for x, y, u, v in (path[0], found["final_state"])]
     assert found["energy_change"] == pytest.approx(energies[1] - energies[0], abs=1e-14)
     assert found["energy"] == pytest.approx(energies[1], abs=1e-14)
+    changes = [(u * u + v * v) / 2 - 0.64 / hypot(x, y) - energies[0] for x, y, u, v in path]
+    assert found["largest_energy_change"] == pytest.approx(max(changes, key=abs), abs=1e-14)
+    assert abs(found["largest_energy_change"]) > abs(found["energy_change"])
     assert (found["steps"], found["evaluations"]) == (1000, calls)
     times, states = found["trajectory"]
     assert (len(times), times[-1], tuple(states[-1])) == (1001, 20.0, found["final_state"])

@@ -59,12 +59,11 @@ def test_methods_of_your_own_have_names_and_tell_scenes_apart(tmp_path: Path) ->
 
 def test_full_file_is_read_as_written(tmp_path: Path) -> None:
     text = MINIMAL + (
-        'name = "all of it"\nstart = [0.1, "-1/3"]\nmethods = ["rk4", "heun2"]\n'
-        'certified = ["phase_error"]\npanels = ["table", "position"]\n'
+        'name = "all of it"\nstart = [0.1, "-1/3"]\nmethods = ["rk4", "heun2"]\npanels = ["table", "position"]\n'
     )
     scene = scene_named(str(written(tmp_path, text)))
     assert (scene.name, scene.start) == ("all of it", (Q(1, 10), Q(-1, 3)))
-    assert (scene.methods, scene.certified, scene.panels) == (("rk4", "heun2"), ("phase_error",), ("table", "position"))
+    assert (scene.methods, scene.panels) == (("rk4", "heun2"), ("table", "position"))
 
 
 def test_a_file_that_names_a_problem_is_of_that_to_its_end(tmp_path: Path) -> None:
@@ -88,13 +87,12 @@ def test_decimals_and_fractions_in_a_file_are_exact(h: Q, tmp_path_factory: pyte
 BAD_FILES = {
     "h = 1\nt = 1\n" + ASKED: "'selected' is missing", 'selected = "rk4"\nt = 1\n' + ASKED: "'h' is missing",
     'selected = "rk4"\nh = 1\n' + ASKED: "'t' is missing",
-    'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' computes nothing; give readouts, certified or panels",
+    'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' computes nothing; give readouts or panels",
     MINIMAL + "colour = 1": "a scene has no key 'colour'; its keys are name, selected, h, t, start",
     'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or ",
     MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler' (`driftproof methods`",
     MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list",
     MINIMAL + "methods = [1]": "methods[0] is 1; write text in quotes",
-    MINIMAL + 'certified = ["steps"]': "unknown certified readout 'steps'; choose from final_state",
     MINIMAL + 'panels = ["pie"]': "unknown panel 'pie'; choose from table, position, phase_plane",
     MINIMAL + 'panels = ["table"]': "has the panel table, but no methods to compare; give methods",
     MINIMAL.replace("energy", "enegry"): "unknown readout 'enegry'; did you mean energy",

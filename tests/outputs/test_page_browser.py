@@ -18,7 +18,7 @@ FIGURES = 2 * 3 * 2 + 1 + 2
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "report.html"
-    path.write_text(document([PRESETS["default"], PRESETS["stability_boundary"]], 15), encoding="utf-8")
+    path.write_text(document([PRESETS["default"], PRESETS["stability_boundary"]]), encoding="utf-8")
     return path
 
 
@@ -216,7 +216,7 @@ def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch):
 @pytest.mark.slow
 def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium, tmp_path):
     path = tmp_path / "all.html"
-    path.write_text(document([*PRESETS.values()], 15), encoding="utf-8")
+    path.write_text(document([*PRESETS.values()]), encoding="utf-8")
     with opened(chromium, path, width=SHEET_WIDTH) as shown:
         pages = re.findall(rb"/Type\s*/Page[^s]", shown.page.pdf(prefer_css_page_size=True))
         shown.page.emulate_media(media="print")

@@ -7,12 +7,11 @@ import pytest
 
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.scenes import PRESETS, READOUTS, Scene
-from driftproof.reports import scene_view
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 
 
 def test_default_scene_shows_what_the_lesson_shows():
-    shown = scene_text(PRESETS["default"], show_scene(PRESETS["default"], 15))
+    shown = scene_text(PRESETS["default"], show_scene(PRESETS["default"]))
     lines = [" ".join(line.split()) for line in shown.splitlines()]
     assert set(LESSON_DEFAULT) <= set(lines)
     heads, *rows = shown.splitlines()[-4:]
@@ -28,21 +27,20 @@ LESSON_DEFAULT = [
 
 
 def test_shown_parts_are_those_named():
-    every = {"readouts", "certified", "table"}
+    every = {"readouts", "table"}
     for part, changed in {
         "readouts": {"readouts": ("energy",)},
-        "certified": {"certified": ("energy",)},
         "table": {"panels": ("table",), "methods": ("rk4",)},
     }.items():
         scene = Scene("one", "rk4", Q(1, 4), Q(1), **changed)
-        assert set(show_scene(scene, 5)) & every == {part}
+        assert set(show_scene(scene)) & every == {part}
 
 
 def test_overflowing_method_has_its_message_and_the_others_their_numbers():
     scene = Scene(
         "far", "rk4", Q(2), Q(2000), methods=("forward_euler", "rk4"), readouts=("energy",), panels=("table",)
     )
-    shown = show_scene(scene, 5)
+    shown = show_scene(scene)
     assert shown["table"]["forward_euler"] == "overflow: the state is no longer finite after step 883"
     assert "overflow: the state is no longer finite after step 883" in scene_text(scene, shown)
 
@@ -69,53 +67,40 @@ def test_enormous_number_is_shown_with_an_exponent():
     scene = Scene(
         "far", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
     )
-    shown = scene_text(scene, show_scene(scene, 5))
+    shown = scene_text(scene, show_scene(scene))
     assert max(map(len, shown.splitlines())) < 80
     assert "e+139" in shown
 
 
 def test_scene_json_holds_strings_that_read_back_to_the_same_bits():
-    scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("final_state",))
-    shown = show_scene(scene, 20)
+    scene = Scene("s", "rk4", Q(1, 4), Q(1), readouts=READOUTS)
+    shown = show_scene(scene)
     answer = scene_json(scene, shown)
     assert [float(x) for x in answer["readouts"]["final_state"]] == list(shown["readouts"]["final_state"])
     assert [[float(x) for x in row] for row in answer["readouts"]["trajectory"][1]] == shown["readouts"]["trajectory"][
         1
     ].tolist()
-    assert answer["certified"]["final_state"]["q"]["decimal"].startswith("0.54")
-    undefined = Scene("s", "rk4", Q(1, 4), Q(1), (Q(0), Q(0)), readouts=("phase_error",), certified=("phase_error",))
-    shown = show_scene(undefined, 5)
+    undefined = Scene("s", "rk4", Q(1, 4), Q(1), (Q(0), Q(0)), readouts=("phase_error",))
+    shown = show_scene(undefined)
     assert scene_json(undefined, shown)["readouts"] == {"phase_error": None}
-    assert scene_text(undefined, shown).count("undefined at the origin") == 2
+    assert scene_text(undefined, shown).count("undefined at the origin") == 1
 
 
 def test_scene_without_exact_readouts_never_imports_sympy(modules_after, tmp_path):
     path, every = tmp_path / "mine.toml", '["final_state", "state_error", "energy", "phase_error", "evaluations"]'
     code = f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
-    for asked, exact in ((f"readouts = {every}", set()), ('certified = ["energy"]', {"flint"})):
-        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\npanels = ["position"]\n{asked}', encoding="utf-8")
-        assert modules_after(code) & {"sympy", "flint"} == exact
-
-
-def test_certified_scene_is_answered_without_any_float_run(monkeypatch):
-    def forbidden(*_):
-        raise AssertionError("a float run was made")
-
-    monkeypatch.setattr(scene_view, "run_scene", forbidden)
-    scene = Scene("s", "rk4", Q(1, 4), Q(10), certified=("state_error",))
-    assert show_scene(scene, 5)["certified"]["state_error"]["decimal"] == "0.00032531"
-    with pytest.raises(AssertionError, match="float run"):
-        show_scene(dataclasses.replace(scene, readouts=("energy",)), 5)
+    path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\npanels = ["position"]\nreadouts = {every}', encoding="utf-8")
+    assert modules_after(code) & {"sympy", "flint"} == set()
 
 
 def test_a_scene_of_a_problem_takes_methods_of_several_states_and_says_what_they_start_with():
     methods = ("bdf3", "rodas4")
     scene = Scene("s", "bdf3", Q(1, 8), Q(1), panels=("table",), methods=methods, problem=PROBLEMS["kaps"])
-    shown = show_scene(scene, 0)
+    shown = show_scene(scene)
     assert [shown["table"][key]["evaluations"] for key in methods] == [shown["table"]["bdf3"]["evaluations"], 6 * 8]
     assert scene_text(scene, shown).endswith("\n\nFirst values of BDF, 3 steps: steps of radau_iia3")
     assert scene_json(scene, shown)["started"] == {"bdf3": "radau_iia3"}
     rodas = dataclasses.replace(scene, selected="rodas4", methods=("rodas4",))
-    assert "started" not in scene_json(rodas, show_scene(rodas, 0))
+    assert "started" not in scene_json(rodas, show_scene(rodas))
     with pytest.raises(ValueError, match="bdf3 is a linear multistep method: `driftproof stability`, `work"):
         dataclasses.replace(scene, problem=None)

@@ -150,6 +150,12 @@ def test_parameters_of_a_function_are_its_keywords(tmp_path, monkeypatch):
     file.write_text(file.read_text().replace("parameters.c", "parameters.k"))
     with pytest.raises(Refused, match="unexpected keyword argument 'k'"):
         problem_given(str(file))
+    turning = {"function": lambda t, y, f, w: [w], "start": [0], "end": 1, "parameters": {"f": "1/5", "w": "2*pi*f"}}
+    (found,) = dict(problem_given(turning).field.parameters).values()
+    assert found == Fraction(2 * math.pi / 5)
+    turning["parameters"] = {"w": "2*pi*f", "f": "1/5"}
+    with pytest.raises(ValueError, match=r"parameters.w is '2\*pi\*f'; write a number, or an expression in pi$"):
+        problem_given(turning)
 
 
 def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(monkeypatch):
@@ -164,7 +170,7 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
         enclosed_reference(*asked)
     tried = []
 
-    def stuck(f, start, times, bits):
+    def stuck(f, start, times, bits, pieces):
         tried.append(bits)
         raise Refused(f"stuck with {bits} bits", Fraction(1) if bits < 72 else None)
 

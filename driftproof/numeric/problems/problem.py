@@ -7,9 +7,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.plain_text import unknown
@@ -20,8 +23,39 @@ EXACT, CERTIFIED = KINDS_OF_EVIDENCE = ("exact", "certified")
 # The source of a CERTIFIED reference, in which every ball determines all the digits given.
 ENCLOSED = "the solution, enclosed in ball arithmetic"
 
+# In each step of an enclosure, a few of which are as long as the solution's own times.
+LOOKS = 16
+
 # One decimal per component, as text: every digit is significant.
 Digits: TypeAlias = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class DenseSolution:
+    """The solution in doubles at any time: a polynomial in σ on each step, where σ is `low` at its begin, 1 at its end.
+
+    `coefficients` has for each step a row for each component, from σ⁰ on.
+    """
+
+    begins: NDArray[np.float64]
+    lengths: NDArray[np.float64]
+    low: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+
+    def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A row y(t) for each time. Between two steps, where f changes, it is the end of the one before."""
+        step = np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
+        part, low = np.clip((times - self.begins[step]) / self.lengths[step], 0, 1), self.low[step]
+        sigma, found = low + (1 - low) * part, np.zeros((len(times), self.coefficients.shape[1]))
+        for k in reversed(range(self.coefficients.shape[2])):
+            found = found * sigma[:, None] + self.coefficients[step, :, k]
+        return found
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest norm, looked for LOOKS times in each step."""
+        times = (self.begins + self.lengths * np.arange(LOOKS + 1)[:, None] / LOOKS).ravel()
+        return float(np.hypot.reduce(self.at(times), axis=1).max())
 
 
 @dataclass(frozen=True)
@@ -29,16 +63,16 @@ class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
     `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
-    the form, or says how the solution was enclosed. `between` has doubles of y at many other times, for its size and
-    for the largest error of a run: a force may have whole periods between a few equal times. `changes` are the times
-    where f has a jump or a kink on the way, as far as they are known.
+    the form, or says how the solution was enclosed. `dense` has y at any time, for its size and for
+    the largest error of a run: a force may have whole periods between a few equal times. `changes` are the times where
+    f has a jump or a kink on the way, as far as they are known.
     """
 
     times: tuple[Fraction, ...]
     states: tuple[Digits, ...]
     evidence: str
     source: str
-    between: tuple[tuple[Fraction, tuple[float, ...]], ...] = ()
+    dense: DenseSolution | None = dataclasses.field(default=None, repr=False, compare=False)
     changes: tuple[Fraction, ...] = ()
 
     def __post_init__(self) -> None:

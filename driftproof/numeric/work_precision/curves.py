@@ -144,10 +144,13 @@ def counts(point: Point) -> bool:
 def lasting(points: Sequence[Point], goal: float, which: str = "final") -> list[Point]:
     """The points, finest first, whose error is at most `goal`, up to a run of more that is no matter of rounding.
 
-    The error of a run that is coarser than that is small by chance, as where a step is a period of the force. The
-    largest error on the way is known of runs that land on the reference's times, and so not of those in between.
+    The error of a run that is coarser than that is small by chance, as where a step is a period of the force. A point
+    for a goal that was looked at less often than any other, as where its steps miss the reference's times, has no
+    largest error on the way.
     """
-    points = [point for point in points if which == "final" or not point.between]
+    if which != "final":
+        enough = min((point.errors[STATE].looks for point in points if point.errors and not point.between), default=0)
+        points = [point for point in points if point.errors and point.errors[STATE].looks >= enough]
     sizes = [(point, getattr(point.errors[STATE], which)) for point in reversed(points) if point.errors]
     good = takewhile(lambda each: each[0].error < each[0].scale and each[1] <= max(goal, each[0].doubt), sizes)
     return [point for point, size in good if size <= goal]
@@ -251,7 +254,7 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
     """The point of a run of `steps` steps."""
     try:
         run = runs.run(steps)
-        sizes = errors(problem, run.states)
+        sizes = errors(problem, run.states, run.way)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
         return Point(str(steps), None, remark=error_summary(error), steps=steps)
     unsure = doubt(problem, steps, speed(problem))

@@ -17,6 +17,7 @@ from driftproof.numeric.advance import Advance, State, advance, evaluations_of, 
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.reference_errors import Way
 
 # What is timed: one trajectory, compiled or in plain Python, and a state of an ensemble of MEMBERS.
 COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"
@@ -24,6 +25,9 @@ KINDS = (COMPILED, PYTHON, ENSEMBLE)
 MEMBERS = BLOCK
 # Errors of implicit methods are computed in Python up to so many steps: some seconds, as compiling takes ten.
 COMPILED_FROM = 2**10
+# A run whose way is compared is looked at after each step or, if there are more than so many, after each k-th. Chosen:
+# some tenths of a second.
+MOST_LOOKS = 2**16
 
 # call(steps) -> a function without arguments that returns the final state; calling it is what is timed.
 TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
@@ -31,10 +35,11 @@ TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 @dataclass(frozen=True)
 class CountedRun:
-    """A run of N steps: its states at those times of `steps_at_known_times`, and its evaluations of f."""
+    """A run of N steps: its states at those times of `steps_at_known_times`, its evaluations of f, and its way."""
 
     states: Mapping[Fraction, State]
     evaluations: int
+    way: Way | None = None
 
 
 @dataclass(frozen=True)
@@ -73,11 +78,14 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
 
     def run(steps: int) -> CountedRun:
         best = advance(method, problem, compiled=fast and (method.explicit or steps > COMPILED_FROM))
-        states, y, h = dict[Fraction, State](), start, float_step(problem.t, steps)
-        stops = [(Fraction(0), 0), *steps_at_known_times(problem, steps)]
-        for (_, first), (t, last) in pairwise(stops):
-            y = states[t] = best(y, h, first, last)
-        return CountedRun(states, evaluations_of(best, method, problem, steps))
+        apart = -(-steps // MOST_LOOKS) if problem.reference.dense else steps
+        known, reached, h = steps_at_known_times(problem, steps), {0: start}, float_step(problem.t, steps)
+        for first, last in pairwise(sorted({0, *known, *range(apart, steps, apart)})):
+            reached[last] = best(reached[first], h, first, last)
+        del reached[0]
+        way = Way.of((n * h for n in reached), reached.values()) if problem.reference.dense else None
+        states = {t: reached[n] for n, t in known.items()}
+        return CountedRun(states, evaluations_of(best, method, problem, steps), way)
 
     def call(run: Advance, steps: int) -> Callable[[], State]:
         return partial(run, start, float_step(problem.t, steps), 0, steps)
@@ -94,11 +102,10 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
     return Integrator(run, calls, absent)
 
 
-def steps_at_known_times(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
-    """(time, number of steps) for each time at which the reference knows the solution, if it is a number of steps."""
-    known = sorted({*problem.reference.times, *(t for t, _ in problem.reference.between)})
-    parts = [(t, t / problem.t * steps) for t in known]
-    return [(t, int(part)) for t, part in parts if part.denominator == 1]
+def steps_at_known_times(problem: Problem, steps: int) -> dict[int, Fraction]:
+    """The reference's times by their numbers of steps, if that is a whole number."""
+    parts = [(t, t / problem.t * steps) for t in problem.reference.times]
+    return {int(part): t for t, part in parts if part.denominator == 1}
 
 
 def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+from driftproof.numeric.readouts import TRAJECTORY
 from driftproof.numeric.run import Counter, Readouts
-from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
+from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, WORK_PRECISION, Scene
 from driftproof.reports import scene_view
 from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
@@ -25,12 +26,12 @@ class Part:
     content: Callable[[str], str]
 
 
-def document(parts: Sequence[Scene | Part], digits: int, counter: Counter = range) -> str:
+def document(parts: Sequence[Scene | Part], counter: Counter = range) -> str:
     """The page as HTML, with the same bytes for the same scenes. Raises ValueError for a scene that cannot be shown."""
     options = []
     for identity, part in ((f"scene-{i}", part) for i, part in enumerate(parts, 1)):
         if isinstance(part, Scene):
-            title, content = scene_title(part), scene_section(part, identity, digits, counter)
+            title, content = scene_title(part), scene_section(part, identity, counter)
         else:
             title, heading = part.title, element("h2", escaped(part.title))
             content = element("section", heading, part.content(identity), class_="scene")
@@ -93,7 +94,6 @@ class _Shown:
 
     scene: Scene
     identity: str
-    digits: int
     runs: Mapping[str, Readouts | str]
 
     def identity_of(self, key: str) -> str:
@@ -101,11 +101,11 @@ class _Shown:
         return f"{self.identity}-{re.sub(r'[^A-Za-z0-9_]+', '-', key)}"
 
 
-def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = range) -> str:
+def scene_section(scene: Scene, identity: str, counter: Counter = range) -> str:
     """The scene under a heading: readouts and figures of each method, then the panels about all methods."""
-    shown = _Shown(scene, identity, digits, _runs(scene, counter))
+    shown = _Shown(scene, identity, _runs(scene, counter))
     parts = [element("h2", escaped(scene_title(scene))), element("p", escaped(setting(scene)), class_="setting")]
-    if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
+    if scene.readouts or set(FIGURES) & set(scene.panels):
         options = [
             Option(shown.identity_of(key), scene.method(key).title, _method(shown, key)) for key in scene.every_method
         ]
@@ -144,10 +144,7 @@ def _method(shown: _Shown, key: str) -> str:
         parts.append(element("p", escaped(run), class_="message"))
     elif run is not None:
         readouts = {name: run[name] for name in scene.readouts if name != TRAJECTORY}
-        parts.append(_cards(scene_view.readout_rows(readouts), "readouts"))
-    if scene.certified:
-        certified = scene_view.certified(replace(scene, selected=key), shown.digits)
-        parts.append(_cards(scene_view.certified_rows(certified), "certified"))
+        parts.append(_cards(scene_view.readout_rows(readouts)))
     if run is not None and not isinstance(run, str) and TRAJECTORY in run:
         times, states = run[TRAJECTORY]
         drawn = SampledRun(scene, key, times, states, shown.identity_of(key))
@@ -156,9 +153,9 @@ def _method(shown: _Shown, key: str) -> str:
     return "".join(parts)
 
 
-def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
+def _cards(rows: Sequence[Sequence[str]]) -> str:
     cards = [element("div", element("dt", escaped(label)), element("dd", escaped(value))) for label, value in rows]
-    return element("dl", *cards, class_=class_) if cards else ""
+    return element("dl", *cards, class_="readouts") if cards else ""
 
 
 def _table(shown: _Shown) -> str:

@@ -19,6 +19,7 @@ from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, w
 from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
+from driftproof.reports.stability_tables import STABLE_FROM
 from driftproof.reports.user_problem import kinks_of
 from driftproof.symbolic.claimed_orders import stated_orders
 
@@ -54,6 +55,8 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     about = "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
     if problem.matrix is not None:
         about = "Proved: the step sizes h whose powers stay bounded"
+    if any(STABLE_FROM in row[1] for row in rows):
+        about += "; with fewer than are stable, the fastest decay on the way may grow in a longer run"
     table = html_table(rows, about, "words")
     return "".join(
         [
@@ -67,7 +70,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
 
 def _scene(scene: Scene) -> str:
     """The readouts of a scene on a problem, or why its run has none, and its table of methods."""
-    shown, at = show_scene(scene, 0), f"h = {scene.h}, t = {scene.t}"
+    shown, at = show_scene(scene), f"h = {scene.h}, t = {scene.t}"
     if isinstance(readouts := shown.get("readouts", {}), str):
         said = element("p", escaped(readouts))
     else:

@@ -28,7 +28,7 @@ from driftproof.texts.writing.records import number_record
 
 # For how many times the scene's steps powers are followed, and at how many places.
 LENGTHS, PLACES = 10, 200
-_LINE_STYLES = 6
+_LINE_STYLES = 8
 LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
 
 
@@ -99,7 +99,7 @@ def beside(limit: Limit, h: Fraction) -> str:
 
 
 def line_style(index: int) -> str:
-    """The CSS class of a curve, a colour with dashes; from the seventh on they repeat, broader."""
+    """The CSS class of a curve, a colour with dashes; from the ninth on they repeat, broader."""
     again, hue = divmod(index, _LINE_STYLES)
     return f"m{hue}{' again' if again else ''}"
 

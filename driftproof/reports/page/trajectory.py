@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.numeric.readouts import FloatState, exact_state
+from driftproof.numeric.readouts import TRAJECTORY, FloatState, exact_state
 from driftproof.numeric.run import run_method
-from driftproof.numeric.scenes import TRAJECTORY, Scene
+from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import details, html_table
 from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, SQUARE, WIDE, Plot, label, linear, symmetric_limit

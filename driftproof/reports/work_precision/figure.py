@@ -25,6 +25,8 @@ _COSTS = {
 _FARTHEST = 1000
 # Characters that fit above a panel.
 _CHARACTERS = 66
+# More curves than these have no thin lines beside them.
+_MOST_THIN = 6
 _NO_RUN = "no run can be shown here"
 _THIN = ("line thin mark", "thin: largest on the way")
 _FLOOR = ("line floor", "rounding of the exact result")
@@ -33,26 +35,31 @@ _FLOOR = ("line floor", "rounding of the exact result")
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
     """Write the figure of a quantity as an SVG file; return its path. Points without error or cost are left out.
 
-    Lines with dots show errors at the end, thin ones the largest on the way. The floor, below which no method is
-    but by luck, is what rounding the exact result may cost, `reference_errors.floors`.
+    Lines with dots show errors at the end, thin ones, unless there are many, the largest on the way. The floor, below
+    which no method is but by luck, is what rounding the exact result may cost, `reference_errors.floors`.
     """
     limits, rounding = _limits(study, measured, quantity), floors(study.problem)[quantity]
-    plots = [_panel(measured, quantity, cost, limits, rounding) for cost in (EVALUATIONS, *measured.kinds)]
-    keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
+    shown = {c: {k for k, curve in measured.curves.items() if _places(measured, curve, quantity, c)} for c in _COSTS}
+    keys = [key for key in measured.curves if any(key in of for of in shown.values())]
+    kinds = [x for x in measured.kinds if not shown[x] <= shown[COMPILED] or 2 * len(shown[x]) >= len(keys)]
+    costs, thin = (EVALUATIONS, *kinds), len(keys) <= _MOST_THIN
+    plots = [_panel(measured, quantity, cost, limits, rounding, thin=thin) for cost in costs]
     legend = [(f"line path {_style(measured, key)}", measured.curves[key].title or key) for key in keys]
-    legend += [_THIN, _FLOOR] if rounding > 0 else [_THIN]
+    legend += [_THIN] * thin + [_FLOOR] * (rounding > 0)
     what = _ERRORS[quantity]
     return write_picture(
         folder / f"work_precision_{quantity}.svg",
         f"{what.capitalize()} against work",
         shorten(study.problem.title, _CHARACTERS * min(2, len(plots)), placeholder=" …"),
-        f"The {what} against {', '.join(_COSTS[c] for c in (EVALUATIONS, *measured.kinds))}; all axes are logarithmic.",
+        f"The {what} against {', '.join(_COSTS[c] for c in costs)}; all axes are logarithmic.",
         plots,
         legend,
     )
 
 
-def _panel(measured: Measured, quantity: str, cost: str, limits: tuple[int, int], rounding: float) -> Plot:
+def _panel(
+    measured: Measured, quantity: str, cost: str, limits: tuple[int, int], rounding: float, *, thin: bool
+) -> Plot:
     low, high = limits
     places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
     shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
@@ -62,7 +69,8 @@ def _panel(measured: Measured, quantity: str, cost: str, limits: tuple[int, int]
     for key, found in shown.items():
         if found:
             style = _style(measured, key)
-            plot.line(((x, min(largest, high)) for x, _, largest in found), f"path {style} thin")
+            if thin:
+                plot.line(((x, min(largest, high)) for x, _, largest in found), f"path {style} thin")
             plot.line(((x, final) for x, final, _ in found), f"path {style}")
             plot.dots(((x, final) for x, final, _ in found), f"dots {style}")
     if not costs:

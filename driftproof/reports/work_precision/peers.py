@@ -13,14 +13,17 @@ from importlib import import_module
 from math import inf
 from typing import Any
 
+import numpy as np
+
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS
+from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
+from driftproof.numeric.reference_errors import Way
+from driftproof.numeric.work_precision.integrators import COMPILED, MOST_LOOKS, PYTHON
 from driftproof.support.environment import how_to_install, installed
 from driftproof.support.plain_text import unknown
 
@@ -40,6 +43,10 @@ class Solver:
     def solve(self, tolerance: float, t: float) -> State:
         """The state at t, from the start."""
         return self._solved(self.rate, tolerance, t)
+
+    def way(self, tolerance: float, t: float) -> Way | None:
+        """The states after the solver's own steps up to t; None if it does not tell them."""
+        return None
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
         """The evaluations of f that a solve really makes, counted; the solve is given up after `most` of them.
@@ -93,6 +100,11 @@ class ControlledSolver(Solver):
         """The state at t."""
         return self.run(self.start, t, tolerance, tolerance)
 
+    def way(self, tolerance: float, t: float) -> Way | None:
+        """The states after all steps or, if there are very many, after each k-th."""
+        rows = self.run.way(self.start, t, tolerance, tolerance, MOST_LOOKS)
+        return Way.of((row[0] for row in rows), (row[1:] for row in rows))
+
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
         """The evaluations of f in a run."""
         self.run(self.start, t, tolerance, tolerance, most)
@@ -104,13 +116,34 @@ class _Scipy(Solver):
 
     def __init__(self, problem: Problem, solver: str) -> None:
         self.solve_ivp = import_module("scipy.integrate").solve_ivp
-        self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
+        self.rate, self.start, self.solver = _rate_of_doubles(problem.field), float_start(problem), solver
 
     def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
+        return tuple(map(float, self._found(rate, tolerance, t).y[:, -1]))
+
+    def way(self, tolerance: float, t: float) -> Way | None:
+        found = self._found(self.rate, tolerance, t)
+        return Way(found.t[1:], found.y[:, 1:].T)
+
+    def _found(self, rate: Rate, tolerance: float, t: float) -> Any:
         found = self.solve_ivp(rate, (0.0, t), self.start, method=self.solver, rtol=tolerance, atol=tolerance)
         if not found.success:
             raise ArithmeticError(found.message)
-        return tuple(map(float, found.y[:, -1]))
+        return found
+
+
+def _rate_of_doubles(field: VectorField) -> Rate:
+    """The rate in plain Python; where that raises, as at exp(1000), infinite or NaN as of NumPy's doubles."""
+    plain, like_arrays = field_rate(field), field_rate(field, functions_of(np))
+
+    def rate(t: float, y: Any) -> list[float]:
+        try:
+            return plain(t, y)
+        except (ArithmeticError, ValueError):
+            with np.errstate(all="ignore"):
+                return [*map(float, like_arrays(np.float64(t), np.asarray(y, float)))]
+
+    return rate
 
 
 class _TorchDiffEq(Solver):

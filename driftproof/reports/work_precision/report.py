@@ -12,7 +12,7 @@ from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import QUANTITIES, Size, floors, half_unit
+from driftproof.numeric.reference_errors import ENDS, QUANTITIES, STATE, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
@@ -22,7 +22,7 @@ from driftproof.reports.user_problem import KINKED, kinks_of
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
-from driftproof.support.plain_text import Json, as_json, table, with_digits
+from driftproof.support.plain_text import Json, as_json, counted, table, with_digits
 
 _LABELS = {EVALUATIONS: EVALUATIONS, COMPILED: "compiled", PYTHON: "Python", ENSEMBLE: "ensemble, per state"}
 # Why methods may have a lower order on a problem than on smooth ones, and the verdicts that it explains.
@@ -64,7 +64,7 @@ def errors_json(study: Study, measured: Measured) -> Json:
 
 
 def _least_work_json(goal: float, measured: Measured) -> Json:
-    found = {which: least_work(measured, goal, which) for which in Size._fields}
+    found = {which: least_work(measured, goal, which) for which in ENDS}
     shown = {which: found and {"curve": found[0].key, **vars(found[1])} for which, found in found.items()}
     return {"goal": goal, **shown}
 
@@ -138,7 +138,7 @@ def _timing_json(timing: Timing) -> Json:
 def csv_text(measured: Measured) -> str:
     """One row per point: errors, evaluations, and for each kind minimum, median and spread, in seconds of one state."""
     kinds = measured.kinds
-    sizes = [f"{name}_{which}" for name in QUANTITIES for which in ("final", "largest")]
+    sizes = [f"{name}_{which}" for name in QUANTITIES for which in Size._fields]
     costs = [f"{kind}_{what}" for kind in kinds for what in ("minimum", "median", "spread")]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
@@ -146,7 +146,7 @@ def csv_text(measured: Measured) -> str:
     for curve in measured.curves.values():
         timed = {kind: measured.timed(curve, kind) for kind in kinds}
         for point in curve.points:
-            errors = [x for name in QUANTITIES for x in point.errors.get(name, ("", ""))]
+            errors = [x for name in QUANTITIES for x in point.errors.get(name, ("", "", ""))]
             costs = [x for kind in kinds for x in _seconds(kind, timed[kind].get(point.setting))]
             evaluations = "" if point.evaluations is None else point.evaluations
             writer.writerow([curve.key, point.setting, evaluations, *errors, point.doubt, point.remark, *costs])
@@ -191,9 +191,10 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         title = "Dominated: for each of its points, another method has no larger error and no larger cost"
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in goals:
-        title = f"Least work for an error at the end of at most {goal_text(goal)} (* the least)"
-        largest = _work_text(study, least_work(measured, goal, "largest"))
-        told = f"By the largest error on the way: {largest}"
+        title = f"Least work for an error at the end of at most {goal_text(goal)}, each cost by itself (* the least)"
+        found = least_work(measured, goal, "largest")
+        looked = f"; looked at {counted(found[1].errors[STATE].looks, 'time')}" if found else ""
+        told = f"By the largest error on the way: {_work_text(study, found)}{looked}"
         parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
         implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT

@@ -7,7 +7,6 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
-from fractions import Fraction
 from functools import cache, partial
 from math import isfinite
 from pathlib import Path
@@ -44,13 +43,15 @@ class Measured:
 
     The keys of `curves` are methods, or peer and solver, as in "scipy DOP853", in the order asked for; those of
     `timings` are "curve | kind | setting". Those of `warm_up` and `absent` are "curve | kind": the seconds of the very
-    first call, in which compilers compile, and why there are no times of that kind.
+    first call, in which compilers compile, and why there are no times of that kind. `refined` are the errors wanted for
+    which a curve has got its points.
     """
 
     curves: dict[str, Curve] = field(default_factory=dict)
     timings: dict[str, Timing] = field(default_factory=dict)
     warm_up: dict[str, float] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
+    refined: dict[str, list[float]] = field(default_factory=dict)
 
     def timed(self, curve: Curve, kind: str) -> dict[str, Timing]:
         """The timings of a curve by the settings of its points, without those that were not timed."""
@@ -148,7 +149,7 @@ def _from_json(held: dict[str, Any]) -> Measured:
         points = [Point(**{**point, "errors": errors}) for point, errors in zip(curve["points"], sizes, strict=True)]
         curves[key] = Curve(**{**curve, "points": points})
     timings = {key: Timing(**timing) for key, timing in held["timings"].items()}
-    return Measured(curves, timings, held["warm_up"], held["absent"])
+    return Measured(curves, timings, held["warm_up"], held["absent"], held["refined"])
 
 
 # The function that returns the call to be timed for a point of a curve; those functions by kind.
@@ -247,10 +248,9 @@ def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
     problem, setting = study.problem, f"{tolerance:.0e}"
     try:
         evaluations = solver.counted(tolerance, float(problem.t), solver.once * study.limit)
-        states: Mapping[Fraction, Sequence[float]] = {
-            t: solver.solve(tolerance, float(t)) for t in problem.reference.times
-        }
-        sizes = errors(problem, states)
+        way = solver.way(tolerance, float(problem.t)) if problem.reference.dense else None
+        times = problem.reference.times if way is None else [problem.t]
+        sizes = errors(problem, {t: solver.solve(tolerance, float(t)) for t in times}, way)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
         return Point(setting, None, remark=error_summary(error))
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), largest_state_size(problem))
@@ -266,9 +266,10 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             with stage(f"errors of {one.key}"):
                 measured.curves[one.key] = one.curve()
             store.save()
-        if study.wanted:
+        if measured.refined.get(one.key, []) != [*study.wanted]:
             with stage(f"errors of {one.key} near those wanted"):
                 measured.curves[one.key] = _with_points_for(study.wanted, one, measured.curves[one.key])
+            measured.refined[one.key] = [*study.wanted]
             store.save()
         progress(0, 1)
     for one in everybody:
@@ -276,7 +277,7 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             made, absent = one.calls()
             measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
             calls |= _begin_timings(study, measured, measured.curves[one.key], made)
-    store.save()
+        store.save()
     wanted = [name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)]
     progress(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted), 0)
     for name in interleave(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction as Q
 from math import pi, sin
 
@@ -10,7 +9,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import counted_evaluations, field_rate
+from driftproof.numeric.advance import advance, counted_evaluations, field_rate
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.reference_errors import errors
@@ -45,17 +44,23 @@ def test_timed_calls_reach_the_state_whose_error_is_measured() -> None:
         assert {*runs.calls, *runs.absent} <= set(KINDS)
 
 
-def test_the_largest_error_is_that_over_all_steps_where_the_solution_is_known_at_them() -> None:
-    """The forced solution sin 2πt is 0 at the reference's ten times; in between the error of steps of 1/4 is larger."""
+def test_the_largest_error_is_that_over_all_steps_where_the_solution_is_known_at_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The forced solution sin 2πt is 0 at the reference's ten times, and 487 steps land on the last of them only."""
     forced = {"rates": "-3*(y - sin(2*pi*t)) + 2*pi*cos(2*pi*t)", "start": 0, "end": 20}
     problem = problem_given(forced)
-    runs, few = integrator(METHODS["rk4"], problem).run(80), replace(problem.reference, between=())
-    assert len(runs.states) == 80
-    assert {t for t in runs.states if t not in problem.reference.times} <= {t for t, _ in problem.reference.between}
-    asked = (problem, replace(problem, reference=few))
-    seen, of_ten = (errors(each, runs.states)["state"].largest for each in asked)
-    assert abs(seen - max(abs(y - sin(2 * pi * float(t))) for t, (y,) in runs.states.items())) < 1e-14
-    assert seen > 1.1 * of_ten
+    run = advance(METHODS["rk4"], problem)
+    for steps, looks, looked in ((80, 2**16, 80), (487, 2**16, 487), (487, 100, 98)):
+        monkeypatch.setattr(integrators, "MOST_LOOKS", looks)
+        runs, h, reached = integrator(METHODS["rk4"], problem).run(steps), 20 / steps, [(0.0,)]
+        seen, of_few = (errors(problem, runs.states, way)["state"] for way in (runs.way, None))
+        for n in range(steps):
+            reached.append(run(reached[-1], h, n, n + 1))
+        off = [abs(y - sin(2 * pi * n * h)) for n, (y,) in enumerate(reached)]
+        assert seen.looks == looked
+        assert seen.largest == pytest.approx(max(off[:: -(-steps // looked)]), abs=1e-14)
+        assert seen.largest > 1.1 * of_few.largest
 
 
 def test_what_numba_would_compile_is_absent_without_it_and_only_where_it_is_asked_for(

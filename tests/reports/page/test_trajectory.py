@@ -133,7 +133,7 @@ def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path):
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts(tmp_path):
     long = Scene("long", "rk4", Q(1), Q(10**6 + 1), panels=("position",))
-    for draw in (lambda: drawing.write_figures(long, tmp_path), lambda: document([long], 15)):
+    for draw in (lambda: drawing.write_figures(long, tmp_path), lambda: document([long])):
         with pytest.raises(ValueError, match="1000001 steps are too many to draw; at most 1000000"):
             draw()
     assert list(tmp_path.iterdir()) == []

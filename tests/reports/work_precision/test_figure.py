@@ -8,6 +8,7 @@ import pytest
 
 from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, Size, U
 from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.timing import Timing
 from driftproof.reports.page.plot import WIDE, Scale
 from driftproof.reports.work_precision.figure import draw_study
 from driftproof.reports.work_precision.study import Measured, measure
@@ -74,7 +75,17 @@ def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path):
     assert float(size[2]) == 2 * float(WIDE[0][1] + 16)  # two in a row, and a third below
 
 
-def test_the_seventh_curve_is_the_first_again_broader(tmp_path):
-    curves = {str(i): Curve(str(i), "", 4, points((8 << i, 1e-3), (16 << i, 1e-5))) for i in range(7)}
+def test_the_ninth_curve_is_the_first_again_broader_and_many_have_no_thin_lines(tmp_path):
+    curves = {str(i): Curve(str(i), "", 4, points((8 << i, 1e-3), (16 << i, 1e-5))) for i in range(9)}
     drawn = draw_study(study(problem="dahlquist_1e3"), Measured(curves), "state", tmp_path)
-    assert [len(places(drawn, f"path m0{again}")) for again in ("", " again")] == [2, 2]
+    assert [len(places(drawn, f"path m0{again}")) for again in ("", " again", " thin")] == [2, 2, 0]
+    assert "thin: largest on the way" not in texts(drawn)
+
+
+def test_a_few_curves_that_are_also_timed_compiled_have_no_panel_of_their_own(tmp_path):
+    curves = {key: Curve(key, "", 4, points((8, 1e-3), (16, 1e-5))) for key in "abc"}
+    for more, shown in (((), False), (("b",), True)):
+        keys = [*(f"{key} | compiled | 8" for key in "abc"), *(f"{key} | python | 8" for key in ("a", *more))]
+        measured = Measured(curves, {key: Timing(samples=[1e-3]) for key in keys})
+        drawn = texts(draw_study(study(problem="dahlquist_1e3"), measured, "state", tmp_path))
+        assert ("seconds, Python" in drawn, "seconds, compiled" in drawn) == (shown, True)

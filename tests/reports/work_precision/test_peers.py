@@ -10,8 +10,10 @@ import pytest
 import sympy
 from scipy.integrate import solve_ivp
 
+from driftproof.methods.field_text import field_of_text
 from driftproof.methods.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision import peers
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
@@ -38,6 +40,22 @@ class FakeSolver:
 
     def counted(self, tolerance, t, limit=0):
         return 3
+
+
+def test_the_largest_error_of_a_peer_is_that_at_its_own_steps():
+    problem = problem_given({"rates": "-y", "start": 1, "end": 3})
+    point = solver_point(PEERS["scipy"].on(problem, "RK45"), 1e-3, replace(study("rk4", limit=1), problem=problem))
+    found = solve_ivp(lambda t, y: -y, (0, 3), [1], rtol=1e-3, atol=1e-3)
+    off = np.abs(found.y[0] - np.exp(-found.t))[1:]
+    assert point.errors["state"] == (pytest.approx(off[-1]), pytest.approx(off.max()), len(off))
+    assert point.errors["state"].largest > 1.1 * max(off[-1], off[len(off) // 2])
+
+
+def test_where_plain_python_raises_scipy_gets_what_numpy_has():
+    problem = replace(HARMONIC, field=field_of_text("exp(y0); log(y1)"), second_order=False)
+    rate = PEERS["scipy"].on(problem, "RK45").rate
+    assert [*map(str, rate(0.0, [1000.0, -1.0]))] == ["inf", "nan"]
+    assert rate(0.0, [0.0, 1.0]) == [1.0, 0.0]
 
 
 def test_as_many_calls_as_are_allowed_are_made_and_no_more():

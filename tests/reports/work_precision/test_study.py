@@ -38,10 +38,10 @@ def test_progress_is_told_to_the_end(tmp_path):
 
 
 def test_what_is_measured_is_not_measured_again(tmp_path, monkeypatch):
-    asked = study("rk4", "gauss2")
+    asked = dataclasses.replace(study("rk4", "gauss2"), wanted=[1e-2])
     before = measure(asked, tmp_path, unheard)
     kept = (tmp_path / "points.json").read_bytes()
-    for name in ("curve_of", "started"):
+    for name in ("curve_of", "started", "for_goal", "solver_point"):
         monkeypatch.setattr(work_precision, name, lambda *_, **__: pytest.fail("measured again"))
     again = measure(asked, tmp_path, unheard)
     assert (again.timings, errors_json(asked, again)) == (before.timings, errors_json(asked, before))
