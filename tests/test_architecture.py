@@ -78,7 +78,7 @@ BUDGET_OF_REPORTS_AND_FRONT = 6232
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(932, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(922, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -110,7 +110,6 @@ def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
     ("changed", "message"),
     [
         ({"start": (Q(0), Q(1))}, "the problem fixes the start; remove `start`"),
-        ({"certified": ("energy",)}, "a problem has no certified readouts; use `driftproof certify`"),
         ({"readouts": ("phase_error",)}, "the problem kepler has no readout phase_error; choose from final_state"),
         ({"panels": ("position",)}, "the problem kepler has no panel position; choose from table"),
         ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is known only at t = 5/2, 5, .*, 20$"),
