@@ -362,6 +362,6 @@ def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):
 
 def test_a_scene_without_readouts_or_with_a_trajectory_is_not_swept():
     for readouts in ((), ("trajectory",)):
-        scene = Scene("none", "rk4", Q(1), Q(2), readouts=readouts, panels=("table",))
+        scene = Scene("none", "rk4", Q(1), Q(2), readouts=readouts, panels=("phase_plane",))
         with pytest.raises(ValueError, match="a sweep needs readouts, and trajectory cannot be one"):
             points_of(scene, GRID)
