@@ -20,9 +20,9 @@ mistake and mended; the code of the threads is not used. This page is written by
 
     python -m tests.campaigns.public_bugs > docs/public_bugs.md
 
-A bug is **caught** when a fault is found, when `verify` says that it is not its method, or when `identify` says that it
-is what it should not be; the cause is **named** when the report holds the words that a maintainer needs, which that on
-the mended twin does not hold. An **alarm** is a fault that is found in a mended twin.
+A bug is **caught** when a fault is found, or a remark on a solver, when `verify` says that it is not its method, or
+when `identify` says that it is what it should not be; the cause is **named** when the report holds the words that a
+maintainer needs, which that on the mended twin does not hold. An **alarm** is a fault that is found in a mended twin.
 """
 
 

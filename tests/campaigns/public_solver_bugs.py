@@ -162,6 +162,7 @@ REPLAYS = (
            adaptive(tolerances=lambda rtol, atol: (1e-6, 1e-6)), RIGHT, "rtol is ignored"),
     Replay("llnl/sundials#321", "exponents of the controller off by one", of_solver,
            adaptive(CK, exponent=1 / 4), adaptive(CK, exponent=1 / 5), "for an estimate O(h^5) it is 1/5"),
+    # A remark: its step sizes settle, and the thread tells of a difference from a book, not of harm.
     Replay("Tudat/tudat#51", "the order of the other row in the controller", of_solver,
            adaptive("fehlberg45", exponent=1 / 6), adaptive("fehlberg45", exponent=1 / 5), "control is 1/6"),
     Replay("llnl/sundials#311", "a last stage at t + h is taken for the slope at the end", of_solver,

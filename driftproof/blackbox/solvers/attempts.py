@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 from numpy.polynomial import Chebyshev
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, Solution, TooSlow
+from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
@@ -89,9 +89,13 @@ def of_another_estimate(subject: ForeignSolver, pair: RungeKutta) -> str:
     As an estimate O(h^p) is 0 where slopes are polynomials in t of a degree below p - 1.
     """
     degree, atol = power_of_estimate(pair) - 2, min(*ATOLS, *_tolerances(pair))
+    still = calls = 0
     try:
-        still, calls = (len(_in_t(subject, slope, atol).calls) for slope in (lambda t: 0.0, _chebyshev(degree)))
-    except (Misbehaviour, TooSlow):
+        still = len(_in_t(subject, lambda t: 0.0, atol).calls)
+        calls = len(_in_t(subject, _chebyshev(degree), atol).calls)
+    except TooSlow:
+        calls = MOST_CALLS_OF_A_RUN * bool(still)
+    except Misbehaviour:
         return ""
     seen = f"{calls} calls of f on slopes of degree {degree} in t, where the estimate of {pair.key} is 0"
     told = f"it makes {seen}, and {still} on slopes 0: as if a coefficient of its estimate were another"

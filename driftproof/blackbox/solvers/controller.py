@@ -46,6 +46,8 @@ _LEAST_SAFETY = 0.5
 _MOST_ACCEPTED = 10.0
 # Two tolerances; a step size follows them as if the order of the estimate were less by more than this only if it is.
 _TWO, _LESS = (1e-5, 1e-7), 1.5
+# Settling at half the pace of the right exponent or more: of an error no more than its root is left in the next step.
+_MOST_LEFT = 0.5
 # As many factors have codes that halve and double their steps; chosen with room.
 _FEW = 5
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
@@ -58,14 +60,15 @@ _TRACE = 2.0**9
 class ControllerReading:
     """The step size control as measured: its law, if one was found, the evidence as lines, and the faults.
 
-    The `remark` is on a solver that advances the other row of the pair whose estimate is in the law. `unseen` says why
-    it is not known whether the step sizes follow the estimate of the pair that it advances; "" if they do.
+    The `remarks` are on an exponent that settles all the same, and on a solver that advances the other row of the pair
+    whose estimate is in the law. `unseen` says why it is not known whether the step sizes follow the estimate of the
+    pair that it advances; "" if they do.
     """
 
     law: Law | None
     lines: tuple[str, ...]
     faults: tuple[str, ...]
-    remark: str = ""
+    remarks: tuple[str, ...] = ()
     unseen: str = ""
 
 
@@ -127,8 +130,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = F
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
     used = next(each for each in estimates if each.name == law.estimate)
     others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, atol, slope))
-    faults = (*_wrong_exponent(law, used.order), *(traces or others))
-    return ControllerReading(law, lines, faults, _other_row(used.pair.key, steps))
+    wrong, another = _another_exponent(law, used.order)
+    remarks = tuple(filter(None, (another, _other_row(used.pair.key, steps))))
+    return ControllerReading(law, lines, (*filter(None, [wrong]), *(traces or others)), remarks)
 
 
 def _other_row(key: str, steps: SolverSteps) -> str:
@@ -179,11 +183,29 @@ def _of_low_order(subject: ForeignSolver, steps: SolverSteps) -> Iterator[str]:
         yield f"{seen}: far more than an estimate O(h^{power}) needs, as if one of its coefficients were another"
 
 
-def _wrong_exponent(law: Law, power: int) -> Iterator[str]:
-    """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
-    if power and not law.memory and not law.filtered and not is_close(float(law.exponent), 1 / power):
-        right = f"for an estimate O(h^{power}) it is 1/{power}"
-        yield f"the exponent of the step size control is {shown(law.exponent)}, {right}"
+def _another_exponent(law: Law, power: int) -> tuple[str, str]:
+    """The fault, or else the remark, that the exponent b of a law without memory is not 1/p, for an estimate r ~ h^p.
+
+    Where errors change little, one of r is followed by safety^p r^(1 - p b): 1/p leaves nothing of r.
+    """
+    if not power or law.memory or law.filtered or is_close(float(law.exponent), 1 / power):
+        return "", ""
+    left = 1 - power * law.exponent
+    where = " after accepted steps" * law.exception.startswith("; after a rejection")
+    seen = f"the exponent of the step size control{where} is {shown(law.exponent)}"
+    leaves = (
+        f"{seen}, for an estimate O(h^{power}) it is 1/{power}: an error r leaves r^({shown(left)}) in the next step"
+    )
+    if abs(left) >= 1:
+        return f"{leaves}, and never settles", ""
+    if left > _MOST_LEFT:
+        return f"{leaves}, and settles very slowly", ""
+    if left > 0:
+        return "", f"{leaves}, and settles more slowly"
+    # The least r whose step no limit cuts is followed by the largest error, (safety largest^(p b - 1))^(1/b).
+    if law.largest and law.safety * law.largest ** -float(left) <= 1:
+        return "", f"{leaves}, which its largest factor keeps below the tolerance"
+    return f"{leaves}, so that a step after a small error is rejected", ""
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float, Slope]:

@@ -21,7 +21,7 @@ from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps, unlike
 from driftproof.blackbox.solvers.tolerance_runs import RunLines
-from driftproof.methods.catalogue import FurtherMethod
+from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.schemes import Method, RungeKutta
@@ -128,7 +128,10 @@ def _held(
     else:
         same = isinstance(method, Method) and bool(match_method(steps.reading, method).matches)
     if not same:
-        return replace(report, verdict=f"is not {method.key}; {report.verdict}", passed=False)
+        others = {pair.key for pair in getattr(steps, "pairs", ())}
+        both = (method.key + EMBEDDED_SUFFIX, method.key.removesuffix(EMBEDDED_SUFFIX))
+        instead = next((f"; if that row of the pair is meant: --method {key}" for key in both if key in others), "")
+        return replace(report, verdict=f"is not {method.key}; {report.verdict}{instead}", passed=False)
     if faults:
         return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
     seen = f" in {report.data['looked_at']}" if report.data["looked_at"] else ""
@@ -180,7 +183,7 @@ def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[st
     lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == INSTRUMENT_FAILED]
     faults = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless]
     beside = [] if runs.failed else [line for each in runs.result.answers.values() for line in each.beside]
-    rows = [controller.result.remark] if controller.result and controller.result.remark else []
+    rows = [*controller.result.remarks] if controller.result else []
     if controller.kind == NotReadable.kind and steps.result and steps.result.adaptive:
         rows = [f"step size control not seen: {controller.seen}"]
     unseen = () if runs.failed else runs.result.remarks

@@ -125,8 +125,10 @@ def exceptions(points: Sequence[LawPoint], law: Law, smallest: float, largest: f
         return None
     if not others:
         return ""
-    rejected = [p for p, _ in others if not p.accepted and not is_close(p.factor, smallest)]
-    if len(rejected) == len(others) and (plain := _fitted(rejected, 2)) and plain[1] > 0:
+    free = [p for p, _ in others if not is_close(p.factor, smallest)]
+    plain = None if any(p.accepted for p, _ in others) else _fitted(free, 2)
+    clipped = [p for p, _ in others if is_close(p.factor, smallest)]
+    if plain and plain[1] > 0 and all(plain[0] - plain[1] * p.error < log(smallest) + _CLOSE for p in clipped):
         return f"; after a rejection {exp(plain[0]):.4g} r^(-{shown(plain[1])})"
     first, said_first = min(others, key=lambda pair: pair[0].rejections)
     beside = sum(p.rejections >= first.rejections for p in known)

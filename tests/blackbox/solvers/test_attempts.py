@@ -12,6 +12,10 @@ from tests.looping import exactly
 
 EXCHANGED = adaptive(estimate=lambda e: [e[0], e[2], e[1], e[3]])  # 1/9 and 1/12
 TO_AND_FRO = adaptive("heun_euler21", exponent=2, safety=0.9, least=0.2, most=5.0, grows_after_rejection=True)
+# 7571/16659 for 7571/16695
+OF_A_TYPO = adaptive(
+    "dormand_prince54", exponent=0.2, estimate=lambda e: [*e[:2], e[2] - 7571 / 16659 + 7571 / 16695, *e[3:]]
+)
 OF_FEW_LENGTHS = adaptive(changed=lambda factor, rejections: 4.0 if factor > 1 else 0.25)
 LAWLESS = {"changed": lambda factor, rejections: factor * (1 + (1e4 * factor % 1) / 10)}
 # The estimate where it is 0, where it is one of h alone, and whether steps go to and fro there.
@@ -23,6 +27,7 @@ CASES = {
     "per unit of time": (adaptive("fehlberg45", exponent=1 / 4, per_unit=True), "", "steps settle 2.38 times", ""),
     "of the tolerance 1e-5": (adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)), "", "", ""),
     "with weights exchanged": (EXCHANGED, "it makes 2215 calls of f on slopes of degree 1 in t", "", ""),
+    "of a typo": (OF_A_TYPO, "it makes 30000 calls of f on slopes of degree 3 in t", "", ""),
     "to and fro": (TO_AND_FRO, "", "", "36 of 72 attempts are rejected, as with too large an exponent"),
 }
 

@@ -160,6 +160,13 @@ def test_a_solver_whose_runs_are_not_seen_is_undecided(monkeypatch):
 HELD = {
     "right": (adaptive("dormand_prince54", exponent=0.2), "dormand_prince54", True, "is dormand_prince54 in "),
     "another": (adaptive("dormand_prince54", exponent=0.2), "cash_karp54", False, "is not cash_karp54; it advances"),
+    "its other row": (
+        adaptive("dormand_prince54_embedded", exponent=1 / 6),
+        "dormand_prince54",
+        False,
+        "is not dormand_prince54; it advances",
+    ),
+    "of a smaller exponent": (adaptive("dormand_prince54", exponent=1 / 6), "dormand_prince54", True, "is dormand_pr"),
     "stale": (adaptive(stale=True), "bogacki_shampine32", False, "is bogacki_shampine32, but "),
     "of a stage": (
         adaptive(carried=-2),
@@ -197,5 +204,8 @@ def test_a_solver_is_held_to_the_method_that_it_should_advance(name):
     report = identify_solver(solve, method, isolate=False)
     assert report.passed is passed, report.verdict
     assert report.verdict.startswith(words)
+    assert ("; if that row of the pair is meant: --method dormand_prince54_emb" in report.verdict) == (
+        name == "its other row"
+    )
     with pytest.raises(ValueError, match="one method is needed"):
         identify_solver(solve, "sdirk_order_2")
