@@ -55,22 +55,24 @@ def cluster(tmp_path):
 
 @pytest.mark.slow
 def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, tmp_path, monkeypatch):
-    file, (_, first, _) = cluster
+    file, (_, *workers) = cluster
     from distributed import Client
 
     monkeypatch.setattr(sweeping, "SHORTEST", -1)  # a point a task
     with Client(scheduler_file=str(file), set_as_default=False) as client:
         client.wait_for_workers(2, timeout=60)
         names = {worker["name"]: place for place, worker in client.scheduler_info()["workers"].items()}
-        path, found, killed = tmp_path / "answers.jsonl", [], False
+        running = dict(zip(("first", "second"), workers, strict=True))
+        path, found, killed = tmp_path / "answers.jsonl", [], ""
         with cluster_executor(client.scheduler.address) as executor:
             for batch in sweep_batches(SCENE, GRID, executor, path):
                 found += batch
-                if not killed and client.processing()[names["first"]] and 3 <= len(found) < 20:
-                    first.kill()
-                    killed = True
-        assert killed
-        assert names["first"] not in client.scheduler_info()["workers"]
+                if not killed and len(found) >= 3:
+                    at_work = client.processing()
+                    killed = next((name for name in running if at_work[names[name]]), "")
+                    if killed:
+                        running[killed].kill()
+        assert names[killed] not in client.scheduler_info()["workers"]
     assert sorted(i for i, _ in found) == list(range(30))
     points = points_of(SCENE, GRID)
     alone, _ = run_points(SCENE, points[:1] + points[-1:])
