@@ -90,7 +90,7 @@ class GivenSteps(OwnSteps):
 
     @cached_property
     def halves(self) -> tuple[slice, slice]:
-        """Those of an array are the even and the odd places if these alone are such that q' = v."""
+        """The even and the odd places of an array, if these alone are such that q' = v; else the halves."""
         apart, turns = super().halves, (slice(0, None, 2), slice(1, None, 2))
         if STATE not in self.subject.convention.order or self.size % 2:
             return apart
