@@ -244,7 +244,8 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     except MethodError as why_not:
         raise OwnSystem(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
     if not found.holds and steps.pushed and isinstance(of_one_state(wanted.method), Splitting):
-        raise OwnSystem(f"its force depends on the velocity, and with that before each kick {found.words}")
+        order = ", where all positions come before all velocities" * (steps.size > 2 and steps.halves[0].step is None)
+        raise OwnSystem(f"its force depends on the velocity{order}, and with that before each kick {found.words}")
     if found.holds and steps.untimed:
         seen = f"at t = 0, which alone is seen, it {found.words}"
         raise NoClock(f"the system given depends on t, which the step does not take: {seen}")

@@ -25,9 +25,8 @@ from driftproof.blackbox.judging.state_objects import NUDGES
 from driftproof.blackbox.judging.whole_states import TIMES
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import STATE, TIME, role_of
+from driftproof.blackbox.stepper.calling_conventions import STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.records import parts_of
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
@@ -81,19 +80,6 @@ class GivenSteps(OwnSteps):
         """The root of u: what is known to it has half of its digits."""
         return sqrt(self.subject.format.u)
 
-    @cached_property
-    def clock(self) -> str:
-        """The name of the time in a record; "" if the state is none, or holds no time."""
-        if self.subject.adapter.with_parameters is None:
-            return ""
-        parts = parts_of(self.subject.adapter.write([*self.states[0]]))
-        return next((name for name in parts if role_of(name, (TIME,))), "")
-
-    @property
-    def times(self) -> Sequence[float]:
-        """A step that takes no time begins at 0."""
-        return TIMES if self.clock or TIME in self.subject.convention.order else TIMES[:1]
-
     @property
     def untimed(self) -> bool:
         """True if the slopes depend on a time that the step does not take."""
@@ -103,26 +89,29 @@ class GivenSteps(OwnSteps):
         return False
 
     @cached_property
+    def halves(self) -> tuple[slice, slice]:
+        """The even and the odd places of an array, if these alone are such that q' = v; else the halves."""
+        apart, turns = super().halves, (slice(0, None, 2), slice(1, None, 2))
+        if STATE not in self.subject.convention.order or self.size % 2:
+            return apart
+        slopes = [(y, self.rates(0.0, y)) for y in self.states]
+        here, there = (all(np.allclose(to[q], y[v], self._half, 0) for y, to in slopes) for q, v in (apart, turns))
+        return turns if there and not here else apart
+
+    @cached_property
     def pushed(self) -> bool:
         """True if forces depend on velocities, or velocities on positions: a splitting does not say which."""
-        half, twice = self.size // 2, [1.0] * (self.size // 2) + [2.0] * (self.size - self.size // 2)
+        q, v = self.halves
+        twice = [1.0 + (i in range(self.size)[v]) for i in range(self.size)]
         with suppress(ArithmeticError):
             for y in self.states:
                 here, faster, farther = (
                     self.rates(0.0, [x * by for x, by in zip(y, way, strict=True)])
                     for way in ([1.0] * self.size, twice, [3.0 - by for by in twice])
                 )
-                if here[half:] != faster[half:] or here[:half] != farther[:half]:
+                if here[v] != faster[v] or here[q] != farther[q]:
                     return True
         return False
-
-    def end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
-        """The end of a step; the clock of a record is set."""
-        adapter = self.subject.adapter
-        if not self.clock or adapter.with_parameters is None:
-            return super().end(t, y, h)
-        at_time = replace(adapter, write=adapter.with_parameters({self.clock: t}).write)
-        return replace(self.subject, adapter=at_time).step_state(y, h, t)
 
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step; of a splitting, each part asks where the one before it ends."""
@@ -131,11 +120,11 @@ class GivenSteps(OwnSteps):
         if not isinstance(method, Splitting):
             return super().step(method, t, y, h)
         if self.size % 2:
-            raise MethodError("it is not q' = c v, v' = F(q)")
-        half, moved = self.size // 2, t
+            raise MethodError(f"{self.size} numbers are not as many positions as velocities")
+        moved = t
         end: Array = np.array(y, dtype=float)
         for kind, share in method.parts:
-            part = slice(half, None) if kind == "kick" else slice(half)
+            part = self.halves[kind == "kick"]
             end[part] += float(share) * h * np.array(self.rates(moved, end.tolist()))[part]
             moved += float(share) * h * (kind != "kick")
         return [float(x) for x in end]
@@ -224,11 +213,13 @@ class GivenSteps(OwnSteps):
                 why = str(left_out)
         if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
-        asked = self.pushed and isinstance(of_one_state(wanted.method), Splitting)
-        pushed, off = ", its force asked with the velocity before each kick" * asked, max(one.off for one in found)
+        splits = isinstance(of_one_state(wanted.method), Splitting)
+        pushed = ", its force asked with the velocity before each kick" * (splits and self.pushed)
+        off = max(one.off for one in found)
         digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
+        turns = ", with velocities between positions" * (splits and self.halves != super().halves)
         rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
-        return StepFinding(True, f"is {wanted.method.key} on the system given{about}{pushed}, {digits}{rough}")
+        return StepFinding(True, f"is {wanted.method.key} on the system given{about}{turns}{pushed}, {digits}{rough}")
 
     def _elsewhere(self, wanted: Specification) -> Iterator[tuple[float, Sequence[float], float]]:
         """Yield steps (t, y, h) from small and from larger states, and longer ones, up to the largest of the domain."""
@@ -298,7 +289,7 @@ class GivenSteps(OwnSteps):
             y = one.end
             seen.append(tuple(y))
             t += h * (self.times == TIMES)  # which the clock of a record returned shows
-        if wanted.method.explicit and self.clock:  # which goes back as well
+        if wanted.method.explicit and subject.adapter.at:  # whose clock goes back as well
             with suppress(Misbehaviour):
                 steps.end(t, y, -h)
         return "", seen

@@ -24,7 +24,7 @@ from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, POSITION, TIME
+from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP, POSITION
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
@@ -81,7 +81,7 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
         return replace(found, oscillators=count)
     else:
         system = system_of(subject, wanted.domain)
-        one_by_one = POSITION in given.order and TIME not in given.order and not hasattr(subject.function, "begun")
+        one_by_one = POSITION in given.order and not subject.takes_time and not hasattr(subject.function, "begun")
         if system is not None and one_by_one and system.oscillates(_HALF_THE_DIGITS):
             return found  # a step of several is made wrong, which another question shows
     if system is not None:
@@ -110,7 +110,7 @@ def linear_fit_of_all(subject: ForeignStepper) -> LinearFit:
     given = subject.convention
     if given.kind == MAP and CARRIED not in given.order:
         more = moves_more(subject, ORDINARY_DOMAIN)
-        system = system_of(subject, ORDINARY_DOMAIN) if more or TIME in given.order else None
+        system = system_of(subject, ORDINARY_DOMAIN) if more or subject.takes_time else None
         if system is not None and (more or system.timed) and not system.alike:
             raise OwnSystem(system.words)
     return linear_fit(subject)
@@ -172,13 +172,18 @@ class OwnSteps:
 
     @property
     def times(self) -> Sequence[float]:
-        """The times at which steps are compared."""
-        return TIMES
+        """The times at which steps are compared; a step that takes none begins at 0."""
+        return TIMES[: 1 + self.subject.takes_time]
 
     @property
     def size(self) -> int:
         """How many numbers a state has."""
         return len(self.states[0])
+
+    @property
+    def halves(self) -> tuple[slice, slice]:
+        """The places of the positions among the numbers of a state, and those of the velocities."""
+        return slice(None, self.size // 2), slice(self.size // 2, None)
 
     def end(self, t: float, y: Sequence[float], h: float) -> Sequence[float]:
         """The end of a step."""
@@ -230,7 +235,7 @@ class OwnSteps:
         Then q'' = -q is that of a state (v, q), for which there are words of their own.
         """
         seen, pairs = list[bool](), pairs_of(self.subject, self.size)
-        for t, y in product(TIMES[: 1 + (TIME in self.subject.convention.order)], self.states):
+        for t, y in product(self.times, self.states):
             with suppress(Misbehaviour):
                 slopes, _ = self._measured(t, y, self.unit * _LONGEST, _HALVINGS)
                 turned = [x for i, j in pairs for x in (-slopes[j], slopes[i])]
@@ -278,9 +283,9 @@ class OwnSteps:
     @property
     def timed(self) -> bool:
         """True if its slopes depend on the time that the step takes. Raises ArithmeticError if they are not smooth."""
-        if TIME not in self.subject.convention.order:
+        if not self.subject.takes_time:
             return False
-        here, later = ([self.slopes(t, y) for y in self.states] for t in TIMES)
+        here, later = ([self.slopes(t, y) for y in self.states] for t in self.times)
         return not np.allclose(here, later, ROUGH, ROUGH)
 
     def compare(self, wanted: Specification) -> None:
@@ -323,7 +328,7 @@ class OwnSteps:
 
     def _apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
         """The largest difference of two ends, each half of a state relative to its own size."""
-        halves = (slice(None, self.size // 2), slice(self.size // 2, None))[self.size < 2 :]
+        halves = self.halves[self.size < 2 :]
         sizes = [max(map(abs, y[half])) or max(map(abs, y)) for half in halves]
         return float(
             max(np.abs(np.subtract(ends[x], others[x])).max() / size for x, size in zip(halves, sizes, strict=True))
@@ -333,12 +338,14 @@ class OwnSteps:
         """The method's step. Raises MethodError, or ArithmeticError if its stages do not settle."""
         if not isinstance(method, RungeKutta | Collocation):
             half, odd = divmod(self.size, 2)
-            seen = (np.array(self.slopes(t, [*y[:half], *[v] * (half + odd)])) for v in (1.0, -1.0, 2.0))
+            if odd:
+                raise MethodError(f"{self.size} numbers are not as many positions as velocities")
+            seen = (np.array(self.slopes(t, [*y[:half], *[v] * half])) for v in (1.0, -1.0, 2.0))
             up, down, twice = ((each[:half], each[half:]) for each in seen)
             off = [*(up[0] + down[0]), *(twice[0] - 2 * up[0]), *(up[1] - down[1])]
             share = np.abs(off).sum() / (1 + np.abs(up).sum())
-            if odd or not all(up[0]) or share > ROUGH:
-                raise MethodError("it is not q' = c v, v' = F(q)")
+            if not all(up[0]) or share > ROUGH:
+                raise MethodError(f"it is not q' = c v, v' = F(q){', all q before all v' * (self.size > 2)}")
             if share > _HALF_THE_DIGITS:
                 raise MethodError("rounding leaves open whether it is q' = c v, v' = F(q), or not quite")
             rates = np.where(np.abs(up[0] - 1) < _HALF_THE_DIGITS, 1.0, up[0]).tolist()

@@ -17,7 +17,7 @@ from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
-from driftproof.blackbox.stepper.calling_conventions import MAP, STATE, STEP, TIME, CallingConvention
+from driftproof.blackbox.stepper.calling_conventions import MAP, STATE, STEP, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import further_numbers
@@ -117,7 +117,7 @@ def oscillators(subject: ForeignStepper, wanted: Specification) -> int:
     """
     whole, (first, *_) = seen_at(subject, wanted.domain)
     size = len(first) if moves_more(subject, wanted.domain) else 2
-    times = TIMES[: 1 + (TIME in subject.convention.order)]
+    times = TIMES[: 1 + subject.takes_time]
     if not (pairs := pairs_of(subject, size)) or (size == 2 and times == TIMES[:1]):
         return len(pairs)
     tolerance = Tolerance.of(wanted, subject.format, KICKS)

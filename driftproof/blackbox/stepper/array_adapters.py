@@ -26,7 +26,8 @@ class ArrayAdapter:
     call. `read` raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision.
     `shown` is the format of the numbers in a line of Python, if this is not a call of `name`. A record has `parts`, the
     names of position and velocity, and maybe `parameters` of its oscillator; `with_parameters` makes it with others.
-    `together` is how many numbers make one body, one vector or one state; 0 if any number does.
+    `at` makes that of another time, if the record holds one. `together` is how many numbers make one body, one vector
+    or one state; 0 if any number does.
     """
 
     name: str
@@ -38,6 +39,7 @@ class ArrayAdapter:
     parts: tuple[str, ...] = ()
     parameters: Mapping[str, float] = field(default_factory=dict, compare=False)
     with_parameters: Callable[[Mapping[str, float]], ArrayAdapter] | None = None
+    at: Callable[[float], ArrayAdapter] | None = None
     together: int = 0
 
 

@@ -143,6 +143,11 @@ class ForeignStepper(ForeignCode):
         return replace(self, function=function, adapter=adapter)
 
     @property
+    def takes_time(self) -> bool:
+        """True if a step takes a time, or a record that holds one."""
+        return TIME in self.convention.order or self.adapter.at is not None
+
+    @property
     def gives_velocities(self) -> bool:
         """True if the stepper passes velocities to its force."""
         return VELOCITY in self.convention.asks
@@ -187,7 +192,8 @@ class ForeignStepper(ForeignCode):
         if STATE not in self.convention.order:
             q, v, write = y[: len(y) // 2], y[len(y) // 2 :], self._of_several.write
             return self._pair({POSITION: write(q), VELOCITY: write(v), STEP: h, TIME: t}, q, v, h)
-        answer = self.called({STATE: self.adapter.write(y), STEP: h, TIME: t}, f"state={[*y]!r}, h={h!r}", y)
+        adapter = self.adapter if self.adapter.at is None else self.adapter.at(t)
+        answer = self.called({STATE: adapter.write(y), STEP: h, TIME: t}, f"state={[*y]!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, len(y), t + h), [*y, h])
 
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber, t: float) -> tuple[AnyNumber, AnyNumber]:

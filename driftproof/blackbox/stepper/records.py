@@ -33,16 +33,31 @@ def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record
 
 
 def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
-    """The fields of a record that a step of its built-in system moves besides its position and velocity."""
+    """The fields of a record that a step of its built-in system moves besides its position and velocity.
 
-    def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Foreign]:
+    A clock is one of them if it drives both and has no name of a time, by which it would be set.
+    """
+
+    def end(q: float, v: float, given: Mapping[str, float]) -> Foreign:
         state = record.filled(q, v, **unread, **given)
         found = step(state)
+        return state if found is None else found
+
+    def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Foreign]:
         known = {record.position, record.velocity, *record.slopes}
-        return {name: x for name, x in parts_of(state if found is None else found).items() if name not in known}
+        return {name: x for name, x in parts_of(end(q, v, given)).items() if name not in known}
+
+    def drives(name: str, x: float) -> bool:
+        with suppress(Exception):  # of foreign code, and of what is no number
+            here, later = (end(1.0, 0.75, {name: at}) for at in (x, x + 0.5))
+            by, too = parts_of(here)[name] - x, parts_of(later)[name] - x - 0.5
+            return bool(by and np.isclose(by, too, _CLOCK) and record.pair(here) != record.pair(later))
+        return False
 
     unread = {name: 0.0 for name, needed in record.slopes.items() if needed}
-    return further_numbers(ends, dict(parts_of(record.filled(1.0, 0.75, **unread))))
+    begun = dict(parts_of(record.filled(1.0, 0.75, **unread)))
+    others = begun.keys() - {record.position, record.velocity, *record.slopes, record.clock}
+    return [*further_numbers(ends, begun), *(name for name in begun if name in others and drives(name, begun[name]))]
 
 
 def fields_of(
@@ -114,6 +129,17 @@ class Record:
     given: Mapping[str, float]
     slopes: Mapping[str, bool] = dataclasses.field(default_factory=dict)
 
+    @property
+    def clock(self) -> str:
+        """The name of the time that it holds, one number; "" if it holds none."""
+        unread = dict.fromkeys(self.slopes, 0.0)
+        for name, x in parts_of(self.filled(1.0, 0.75, **unread)).items():
+            if _role(name) == calling.TIME and isinstance(x, int | float):
+                with suppress(TypeError):  # of a field that nobody sets
+                    self.filled(1.0, 0.75, **{**unread, name: 0.0})
+                    return name
+        return ""
+
     def filled(self, q: Foreign, v: Foreign, **other: Foreign) -> Foreign:
         """A new record at this position, with this velocity."""
         return self.make(**{**self.known, **other, self.position: q, self.velocity: v})
@@ -155,6 +181,7 @@ def adapter_of(record: Record) -> ArrayAdapter:
                 raise WrongShape(f"a record whose {each} is {record.known[each]:g} comes back with {parts[each]}")
         return floats_in(value if pair is None else [*pair], size)
 
+    clock = record.clock
     arguments = [f"{each}={x!r}" for each, x in record.known.items()]
     shown = f"{record.name}({', '.join([*arguments, f'{record.position}={{}}', f'{record.velocity}={{}}'])})"
     return ArrayAdapter(
@@ -167,6 +194,7 @@ def adapter_of(record: Record) -> ArrayAdapter:
         with_parameters=lambda values: adapter_of(
             dataclasses.replace(record, known={**record.known, **values}, given={**record.given, **values})
         ),
+        at=(lambda t: adapter_of(dataclasses.replace(record, known={**record.known, clock: t}))) if clock else None,
     )
 
 
@@ -302,8 +330,8 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
 def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
     """The step(q, v, h) of a record with its system built in, and what makes it of other parameters."""
-    free = _form(step, record, False, "", False)
-    form: Any = lambda q, v, h: free(None, q, v, h)
+    free = _form(step, record, False, "", timed := bool(record.clock))
+    form: Any = (lambda q, v, t, h: free(None, q, v, t, h)) if timed else lambda q, v, h: free(None, q, v, h)
     form.others = {name: x for name, x in record.known.items() if name in record.given}
     form.of_others = lambda others: _with_parameters(
         step, dataclasses.replace(record, known={**record.known, **others})
@@ -342,6 +370,7 @@ def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, t
     """
     heavy = bool(pushed) and not calling.is_acceleration(pushed)
     masses = {name: calling.MASS for name in record.given if heavy and calling.word_of(name) in calling.MASSES}
+    clocks = [*filter(None, [record.clock])]
     factor = (-1.0 if calling.has_gradient([pushed]) else 1.0) * (calling.MASS if masses else 1.0)
 
     def end(force: Any, q: Foreign, v: Foreign, t: float, h: float, **handed: Foreign) -> Foreign:
@@ -350,9 +379,8 @@ def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, t
             pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))
             return record.filled(pairs[0][1], pushed) if slopes else factor * pushed
 
-        clocks = {name: t for name in record.known if calling.role_of(name, (calling.TIME,))}
         unread = {name: 0.0 * q for name, needed in record.slopes.items() if needed}
-        state = record.filled(copy(q), copy(v), **{**masses, **clocks, **unread, **handed})
+        state = record.filled(copy(q), copy(v), **{**masses, **dict.fromkeys(clocks, t), **unread, **handed})
         found = step(asked, state, t, h)
         return state if found is None else found
 

@@ -60,6 +60,20 @@ def with_its_clock_ignored(s: Moving, dt: float) -> Moving:
     return Moving(s.t + dt, s.x + dt * s.v, s.v + dt * (1.0 - s.x))
 
 
+def two_springs(t, y):
+    return [y[1], 0.5 * (y[2] - y[0]) - 2 * y[0], y[3], 0.5 * (y[0] - y[2]) - 1.5 * y[2]]
+
+
+def in_turn(stale=False):
+    """Symplectic Euler of x1, v1, x2, v2; a wrong one moves the positions by their old velocities."""
+
+    def step(y, dt):
+        kicked = y + dt * np.array(two_springs(0, y)) * [0, 1, 0, 1]
+        return kicked + dt * np.array(two_springs(0, y if stale else kicked)) * [1, 0, 1, 0]
+
+    return step
+
+
 def spoiling(y, h):
     end = on(pendulum)(y.copy(), h)
     y[:] = 7.0
@@ -116,6 +130,8 @@ PASSED = {
     "a pendulum": (on(pendulum), "rk4", pendulum, "is rk4 on the system given, to "),
     "driven": (lambda t, y, h: rk4(driven, t, y, h), "rk4", driven, "in 24 steps"),
     "driven, in a record": (euler_of_a_record, "forward_euler", driven, "in 24 steps"),
+    "a velocity after each position": (
+        in_turn(), "symplectic_euler", two_springs, "on the system given, with velocities between positions, to"),
     "rates of 1e7": (on(robertson), "rk4", robertson, "in 12 steps"),
     "degrees": (
         lambda y, h: y - 0.3 * h * ((y + KELVIN) - (21.5 + KELVIN)), "forward_euler", lambda y: [-0.3 * (y[0] - 21.5)],
@@ -138,6 +154,7 @@ REFUTED = {
     "a constant": (on(lambda t, y: pendulum(t, y, G * (1 + 1e-12))), "rk4", pendulum, "is not rk4: a step of 0.0625"),
     "a weight": (on(pendulum, last=1 / 6 + 1e-10), "rk4", pendulum, "is not rk4: a step of"),
     "a small term": (on(lambda t, y: [y[1], -y[0]]), "rk4", cubic, "is not rk4: a step of"),
+    "old velocities after positions": (in_turn(True), "symplectic_euler", two_springs, "is not symplectic_euler: a"),
     "a clock": (with_its_clock_ignored, "forward_euler", driven, "a step of 0.25 at t = 0.75 from"),
     "a border": (
         on(pendulum, lambda y, h: (np.clip(y, -3, 3), h)), "rk4", pendulum,

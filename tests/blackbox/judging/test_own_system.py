@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, sin
 from typing import Any
@@ -207,6 +208,31 @@ def by_index(stale=False):
     return step
 
 
+@dataclass
+class Aged:
+    x: float
+    v: float
+    elapsed: float = 0.0
+
+
+def clocked(rate=driven, late=1.0, make=dict, clock="t"):
+    """RK4 of a dict or a record that carries its clock."""
+    advance = rk4_of(lambda t, y: np.array(rate(t, *y)), late=late)
+
+    def step(state, dt):
+        held = state if make is dict else vars(state)
+        x, v = advance(np.array([held["x"], held["v"]]), held[clock], dt).tolist()
+        return make(x=x, v=v, **{clock: held[clock] + dt})
+
+    step.__annotations__ = {"state": make}
+    return step
+
+
+def with_its_path(x, v, s, dt):
+    v = v - dt * 4 * x
+    return x + dt * v, v, s + dt * v
+
+
 def moved(made, h):
     made.dt = h
     made.step()
@@ -218,6 +244,10 @@ RIGHT = {
     "a weight on a spring": (on(lambda t, x, v: (v, -x - 9.81)), "rk4", "q' = v, v' = -q - 9.81"),
     "a spring with a drag": (on(springs), "rk4", "q' = v, v' = -15 q - 0.1 v"),
     "driven": (on(driven), "rk4", "q' = v, v' = -4 q - 0.3 v + 1 at t = 0"),
+    "driven, with its clock in a dict": (clocked(), "rk4", "q' = v, v' = -4 q - 0.3 v + 1 at t = 0"),
+    "driven after t = 0": (clocked(lambda t, x, v: (v, t * t - x)), "rk4", "another one"),
+    "driven by a clock of no name": (clocked(make=Aged, clock="elapsed"), "rk4", "one of 3 numbers"),
+    "a path beside": (with_its_path, "symplectic_euler", "on it are not known: 3 numbers are not as many positions as"),
     "not linear": (on(hunters), "rk4", "q' = 1.1 q, v' = -0.4 v near (0, 0)"),
     "not at rest": (on(falling), "rk4", "q' = v, v' = -9.81 near (0, 0)"),
     "not smooth": (on(rubbing), "rk4", "another one"),
@@ -250,6 +280,12 @@ WRONG = {
     "a slope of a spring": (on(springs, of=2), "rk4", "v' = -15 q - 0.1 v: a step of"),
     "h halved at the end": (on(hunters, last=0.5), "rk4", "where rk4 ends in"),
     "the time of the last slope": (on(driven, late=0.5), "rk4", "where rk4 ends in"),
+    "the time of the last slope in a dict": (clocked(late=0.5), "rk4", "+ 1 at t = 0: a step of"),
+    "the time of a slope of a record": (
+        clocked(late=0.5, make=Aged, clock="elapsed"),
+        "rk4",
+        "of 3 numbers: a step of",
+    ),
     "not smooth": (on(rubbing, last=0.5), "rk4", "where rk4 ends in"),
     "a slope of a fall": (on(falling, of=1), "rk4", "where rk4 ends in"),
     "one kick": (leapfrog((1.0, 0.0)), "velocity_verlet", "it is velocity-first symplectic Euler"),
