@@ -44,8 +44,8 @@ def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
         return state if found is None else found
 
     def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, Foreign]:
-        known = {record.position, record.velocity, *record.slopes}
-        return {name: x for name, x in parts_of(end(q, v, given)).items() if name not in known}
+        known, found = {record.position, record.velocity}, parts_of(end(q, v, given))
+        return {name: x for name, x in found.items() if name not in known and not _is_slope(name)}
 
     def drives(name: str, x: float) -> bool:
         with suppress(Exception):  # of foreign code, and of what is no number
@@ -151,6 +151,11 @@ class Record:
         return None if any(part is None for part in parts) else parts
 
 
+def _is_slope(name: str) -> bool:
+    """True if a field may hold the force that a step reads or hands on."""
+    return bool(calling.has_gradient([name]) or calling.role_of(name, (calling.CARRIED,)))
+
+
 def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
     """The record with these fields, some of which are needed; None if some of those are not known."""
     roles = {each: _role(each) for each in names}
@@ -162,7 +167,7 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
     left = [each for each in names if each not in places]
-    slopes = {x: x in needed for x in left if calling.has_gradient([x]) or calling.role_of(x, (calling.CARRIED,))}
+    slopes = {x: x in needed for x in left if _is_slope(x)}
     if None in places or set(needed) - {*known, *places, *slopes}:
         return None
     return Record(name, make, str(places[0]), str(places[1]), known, given, slopes)
