@@ -140,7 +140,7 @@ def measured(title: str, runs: Mapping[str, Run], method: str, tolerance: float,
         tasks = [enclosed, *([partial(solved, run, method, tolerance)] if find_spec("scipy") else [])]
         ours, *theirs = cpu(tasks, rounds)
         found, row = enclosed(), [name, *(milliseconds(1000 * x) for x in (min(ours), median(ours)))]
-        row += [str(found.steps), f"{float(found.radius):.0e}"]
+        row += [str(found.steps), f"{max(float(x.rad()) for state in found.states for x in state):.0e}"]
         for times in theirs:
             proved = certify(run.f, solved(run, method, tolerance))
             row += [milliseconds(1000 * min(times)), f"{min(ours) / min(times):.3g}"]
