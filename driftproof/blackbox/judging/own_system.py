@@ -156,17 +156,14 @@ class OwnSteps:
 
     @cached_property
     def problem(self) -> NonlinearProblem:
-        """The system, its slopes measured once at each place. Raises ArithmeticError where they are not smooth."""
-
-        @cache
-        def slopes(t: float, *y: float) -> list[float]:
-            found, off = self._measured(t, y, self.unit * _LONGEST, _HALVINGS)
-            if not off <= _HALF_THE_DIGITS * max(*map(abs, y), hypot(*found)):
-                raise ArithmeticError("its slopes are not smooth")
-            return [*map(float, found)]
+        """The system, its slopes as floats show them. Raises ArithmeticError where they are not smooth."""
 
         def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-            return [arb(x) for x in slopes(float(t), *map(float, y))]
+            place = [*map(float, y)]
+            found, off = self._seen(float(t), *place)
+            if not off <= _HALF_THE_DIGITS * max(*map(abs, place), hypot(*found)):
+                raise ArithmeticError("its slopes are not smooth")
+            return [arb(float(x)) for x in found]
 
         return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * self.size, self.size // 2)
 
@@ -192,6 +189,11 @@ class OwnSteps:
     def slopes(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes as floats."""
         return [float(x) for x in self.problem.rate(t, [*y])]
+
+    @cached_property
+    def _seen(self) -> Callable[..., tuple[Array, float]]:
+        """The slopes at (t, *y), `_measured` once at each place, and their last change."""
+        return cache(lambda t, *y: self._measured(t, y, self.unit * _LONGEST, _HALVINGS))
 
     def _measured(self, t: float, y: Sequence[float], h: float, count: int) -> tuple[Array, float]:
         """The slopes, extrapolated from steps of h and its halves, and by how much the last of these changed them."""
@@ -237,7 +239,7 @@ class OwnSteps:
         seen, pairs = list[bool](), pairs_of(self.subject, self.size)
         for t, y in product(self.times, self.states):
             with suppress(Misbehaviour):
-                slopes, _ = self._measured(t, y, self.unit * _LONGEST, _HALVINGS)
+                slopes, _ = self._seen(t, *y)
                 turned = [x for i, j in pairs for x in (-slopes[j], slopes[i])]
                 at = [x for i, j in pairs for x in (y[i], y[j])]
                 seen.append(any(np.allclose(turned, np.multiply(way, at), near, near) for way in (1, -1)))

@@ -97,8 +97,11 @@ def pairs_of(subject: ForeignStepper, size: int) -> list[tuple[int, int]]:
 
 def moves_more(subject: ForeignStepper, domain: Domain) -> bool:
     """True if a step of a built-in system moves further numbers of its state than q and v, and no clock or counter."""
-    whole, (first, *_) = seen_at(subject, domain)
-    size = len(first)
+    return _moves_more(subject, *seen_at(subject, domain))
+
+
+def _moves_more(subject: ForeignStepper, whole: ForeignStepper, states: Sequence[tuple[float, ...]]) -> bool:
+    first, size = states[0], len(states[0])
     places = (pairs_of(subject, size) or [(0, 1)])[0]
 
     def ends(q: float, v: float, given: Mapping[str, float]) -> Mapping[str, float]:
@@ -115,8 +118,8 @@ def oscillators(subject: ForeignStepper, wanted: Specification) -> int:
     Those of one state have all sizes of the domain; for an implicit method they have one, since a solver may stop by
     the largest.
     """
-    whole, (first, *_) = seen_at(subject, wanted.domain)
-    size = len(first) if moves_more(subject, wanted.domain) else 2
+    whole, states = seen_at(subject, wanted.domain)
+    size = len(states[0]) if _moves_more(subject, whole, states) else 2
     times = TIMES[: 1 + subject.takes_time]
     if not (pairs := pairs_of(subject, size)) or (size == 2 and times == TIMES[:1]):
         return len(pairs)
