@@ -71,7 +71,7 @@ def certify_command(options: Namespace) -> str:
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
-    from driftproof.enclosure.exact_runs import STOPPED_EARLY, NotItsSteps
+    from driftproof.enclosure.exact_runs import NotItsSteps, PerhapsItsSteps
     from driftproof.methods.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 
@@ -85,12 +85,13 @@ def certify_command(options: Namespace) -> str:
         "h": options.h,
         "invariants": _invariants(options.invariant),
     }
+    undecided = False
     try:
         found = certify(f, options.run, **about)
     except NotItsSteps as refusal:
-        found = refusal.total
-        if found is None:
+        if refusal.total is None:
             raise
+        found, undecided = refusal.total, isinstance(refusal, PerhapsItsSteps)
     good = options.tolerance is None or within(found, options.tolerance)
     drawn = draw_certificate(found, f"Error of {options.run.name}", options.figure) if options.figure else None
     if options.format == "json":
@@ -100,7 +101,7 @@ def certify_command(options: Namespace) -> str:
         verdict = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
         written = "\n".join(filter(None, [found.text(), verdict, f"wrote {drawn}" if drawn else ""]))
     if not good or found.unsplit:
-        raise cli.Undecided(written) if good and STOPPED_EARLY in found.unsplit else cli.Refuted(written)
+        raise cli.Undecided(written) if good and undecided else cli.Refuted(written)
     return written
 
 

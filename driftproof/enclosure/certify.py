@@ -92,13 +92,13 @@ def certify(
     require_reproduced_between(f, enclosable(f), run.times, run.states)
     WRITTEN.set(False)
     try:
-        found = _certified(f, run, functions, lambda: None if method is None else plan_of(f, run, method, h))
+        found, off = _certified(f, run, functions, lambda: None if method is None else plan_of(f, run, method, h))
     except Refused as refusal:
         raise Refused(f"{refusal}; {_WRITES}", refusal.t) if WRITTEN.get() else refusal from None
     said = "\n".join(filter(None, [run.said, _WRITES if WRITTEN.get() else "", *_unlike(given, run)]))
     found = replace(found, unknowns=unknowns, said=said)
-    if found.unsplit:
-        raise NotItsSteps(f"{found.unsplit}; {found.text().splitlines()[0]}", found)
+    if off is not None:
+        raise type(off)(f"{off}; {found.text().splitlines()[0]}", found)
     return found
 
 
@@ -107,28 +107,28 @@ def _certified(
     run: Trajectory,
     functions: Mapping[str, Callable[[Any], Any]],
     planned: Callable[[], StepPlan | None],
-) -> Certificate:
+) -> tuple[Certificate, NotItsSteps | None]:
     """The certificate of a run, with what a plan splits, and the drifts of the `functions`. Raises Refused.
 
-    If the run is not of the planned steps, its total error is certified.
+    If the run is not of the planned steps, its total error is certified, and the refusal of the split is the second.
     """
-    plan, split, unsplit = None, None, ""
+    plan, split, off = None, None, None
     try:
         plan = planned()
     except NotItsSteps as refusal:
-        unsplit = str(refusal)
+        off = refusal
     try:
         enclosed = _enclosed(f, run, () if plan is None else plan.starts)
     except Refused as refusal:
-        if not unsplit:
+        if off is None:
             raise
-        raise NotItsSteps(f"{unsplit}; {refusal}") from None
+        raise type(off)(f"{off}; {refusal}") from None
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
     errors = _errors(run, enclosed)
     try:
         split = None if plan is None else _split(plan, run, true)
     except NotItsSteps as refusal:
-        unsplit = str(refusal)
+        off = refusal
     on_time = [true[t] for t in run.exact_times]
     with ctx.workprec(enclosed.bits):
         digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
@@ -137,7 +137,7 @@ def _certified(
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
     found = Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
-    return replace(found, unsplit=unsplit)
+    return replace(found, unsplit="" if off is None else str(off)), off
 
 
 def _unlike(given: GivenTable, run: Trajectory) -> list[str]:

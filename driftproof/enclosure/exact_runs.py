@@ -41,7 +41,6 @@ UNSOLVED_STAGES = 2.0**27
 # SciPy's Radau stops Newton's method at min(0.03, sqrt(rtol)) (atol + rtol |y|): what is left may be as much as that,
 # with the default rtol or a smaller one. It is no allowance: steps of other methods are as near.
 LOOSEST_NEWTON, LOOSEST_RTOL = 0.03, 1e-3
-STOPPED_EARLY = "SciPy's Radau stopped Newton's method early"
 # The number of steps that are checked before the solution is enclosed, evenly spread.
 MOST_LOOKED_AT = 64
 # An interval in which rounding may grow to more than this part of the state is not told from steps of another method
@@ -59,6 +58,10 @@ class NotItsSteps(Refused):
     def __init__(self, message: str, total: Any = None) -> None:
         super().__init__(message)
         self.total = total
+
+
+class PerhapsItsSteps(NotItsSteps):
+    """Points are off the steps of Radau IIA by no more than what SciPy's Radau may leave of Newton's method."""
 
 
 @dataclass(frozen=True)
@@ -215,7 +218,7 @@ def unchecked_intervals(plan: StepPlan, run: Trajectory, exact: Sequence[Row] = 
         if not failed:
             raise
     if failed:
-        raise NotItsSteps(_not_its_steps(plan, run, dict(sorted(failed.items())), len(asked), off_by))
+        raise _not_its_steps(plan, run, dict(sorted(failed.items())), len(asked), off_by)
     return tuple(found)
 
 
@@ -254,8 +257,8 @@ def _steps_that_fit(plan: StepPlan, i: int, off_by: Callable[[StepPlan, int], tu
 
 def _not_its_steps(
     plan: StepPlan, run: Trajectory, failed: Mapping[int, tuple[arb, arb]], asked: int, off_by: Any
-) -> str:
-    """What is said of points that are off the steps from those before by more than rounding may explain."""
+) -> NotItsSteps:
+    """The refusal of points that are off the steps from those before by more than rounding may explain."""
     i, *others = failed
     (off, allowed), n, last = failed[i], plan.counts[i], i + 2 == len(run.times)
     left = float(off / size(map(arb, run.states[i])))
@@ -268,9 +271,10 @@ def _not_its_steps(
         causes = "the others fit: if an event ended the run, leave out the last point"
     elif asked > 1 and not others and (steps := _steps_that_fit(plan, i, off_by)):
         causes = f"{steps} steps fit there, as if rows were missing"
-    if plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL:
-        causes += f", or {STOPPED_EARLY}, as with rtol = {rtol:.1g}: take 1e-6 or less"
-    return (
+    stopped = plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL
+    if stopped:
+        causes += f", or SciPy's Radau stopped Newton's method early, as with rtol = {rtol:.1g}: take 1e-6 or less"
+    return (PerhapsItsSteps if stopped else NotItsSteps)(
         f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
         f"{float(off):.2g}, where {float(allowed):.2g} is allowed for rounding (intervals that are off: {len(failed)} "
         f"of {asked} looked at): {causes}"
