@@ -77,12 +77,9 @@ def not_smooth(t: Fraction | float, obstacle: Refused | None, *, at_start: bool 
     """The refusal of steps that end at a pole, a 0/0 or a kink near t, with the way on, from what f refuses ahead."""
     near = f"near t = {float(t):.9g}"
     if isinstance(obstacle, ZeroByZero):
-        remedy = (
-            "where that is no pole, write x/(1 - exp(-x)) as 1/exprel(-x), exprel from scipy.special, and sin(x)/x as "
-        )
-        remedy += (
-            "np.sinc(x / np.pi), in functions for certify; problems on which methods are compared cannot have them"
-        )
+        remedy = "where that is no pole, write x/(1 - exp(-x)) as 1/exprel(-x), exprel from scipy.special, and "
+        remedy += "sin(x)/x as np.sinc(x / np.pi), in functions for certify; "
+        remedy += "problems on which methods are compared cannot have them"
         return Refused(f"f divides 0, or nearly 0, by 0 {near}; {remedy}")
     if isinstance(obstacle, Overlapping):
         said = "that the solution crosses the kink or jump of f there, as of abs, max or an if, is not proved: it may"

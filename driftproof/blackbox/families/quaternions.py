@@ -125,9 +125,8 @@ class QuaternionReading:
         if not self.driven or not all(check.passed for check in checks):
             return checks
         same = self.is_of(method)
-        words = (
-            f"where omega depends on t, the step is {'that' if same else 'not that'} of {getattr(method, 'key', '')}"
-        )
+        of = f"{'that' if same else 'not that'} of {getattr(method, 'key', '')}"
+        words = f"where omega depends on t, the step is {of}"
         return [*checks, Criterion("Stage times", same, (words,), {})]
 
     def is_of(self, method: object) -> bool:
@@ -164,9 +163,8 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     if (driven == still).all():
         return reading
     timed = _timed(replace(reading, driven=tuple(map(tuple, driven.tolist()))))
-    return (
-        reading if timed.mistimed and len(course.asked) == len(driven) else timed
-    )  # held over the step, as samples are
+    held = len(course.asked) == len(driven)  # over the step, as samples are
+    return reading if timed.mistimed and held else timed
 
 
 def _timed(reading: QuaternionReading) -> QuaternionReading:

@@ -117,10 +117,8 @@ def settled_steps(subject: ForeignSolver, steps: SolverSteps, pair: RungeKutta) 
     if not all(late):
         return "", ""
     (long, apart), (short, also) = ((fsum(h) / len(h), max(h) / min(h)) for h in ([x.h for x in each] for each in late))
-    rejected, where = (
-        [sum(not x.accepted for x in y) for y in late],
-        f"where the estimate of {pair.key} is one of h alone",
-    )
+    rejected = [sum(not x.accepted for x in each) for each in late]
+    where = f"where the estimate of {pair.key} is one of h alone"
     if max(apart, also) <= _KEPT:
         said = [(atols[0] / atols[1]) ** (1 / p) for p in (power, power - 1)]  # the second one per unit of time
         close = any(1 / _KEPT < long / short / x < _KEPT for x in said)
