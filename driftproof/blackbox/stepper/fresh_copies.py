@@ -10,10 +10,11 @@ from typing import Any
 
 
 def fresh_copy(function: Callable[..., Any]) -> Callable[..., Any] | None:
-    """A copy that shares no object: a method gets a copy of its object, a function copies of its closure and defaults.
+    """A copy that a run of its own would have: a method gets a copy of its object, a function copies of its closure.
 
-    What is remembered in a module, or in an attribute of a function found by its name, is still shared. A caller that
-    needs a copy without memory checks that two copies begin alike. Returns None if no copy can be made.
+    What is remembered in a module, in a default, or in an attribute of a function found by its name, is still shared,
+    as it is by all runs of one process. A caller that needs a copy without memory checks that two copies begin alike.
+    Returns None if no copy can be made.
 
     >>> def counter():
     ...     seen = []
@@ -38,8 +39,8 @@ def _copied(x: Any, memo: dict[int, Any]) -> Any:
         return deepcopy(x, memo)
     if id(x) not in memo:
         cells = tuple(_cell(cell, memo) for cell in x.__closure__ or ())
-        memo[id(x)] = made = FunctionType(x.__code__, x.__globals__, x.__name__, deepcopy(x.__defaults__, memo), cells)
-        made.__kwdefaults__ = deepcopy(x.__kwdefaults__, memo)
+        memo[id(x)] = made = FunctionType(x.__code__, x.__globals__, x.__name__, x.__defaults__, cells)
+        made.__kwdefaults__ = x.__kwdefaults__
         made.__dict__.update(x.__dict__)
     return memo[id(x)]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -130,9 +130,11 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     """The subject after a trial step, with the format of its answers and only the log entries needed to read them."""
     end = trial(subject, TRIAL_STEP)
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
-    if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers
-        two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
-        if np.array_equal(two, end) or [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]:
+    if subject.convention.run and calling.GRID not in subject.convention.order:  # a count of steps, or of numbers
+        two: Sequence[float] = []
+        with nullcontext() if subject.log.works_in_place else suppress(Misbehaviour):  # of a run that has a fault
+            two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
+        if np.array_equal(two, end) or (two and [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]):
             raise WrongAnswer("a run of two steps ends where one of one step does, or moves more numbers")
     if subject.convention.run and calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]:
         trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)

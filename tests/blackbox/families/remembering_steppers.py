@@ -189,8 +189,13 @@ def in_a_closure():
 _outside: list = []
 
 
-def in_the_module(f, t, y, h):
+def in_the_module(f, t, y, h, outside=_outside):
     """A function that remembers in its module, out of the reach of copies."""
-    _outside.append(f(t, y))
-    known = len(_outside) > 1 and np.shape(_outside[-2]) == np.shape(_outside[-1])
-    return y + h * (1.5 * _outside[-1] - 0.5 * _outside[-2] if known else _outside[-1])
+    outside.append(f(t, y))
+    known = len(outside) > 1 and np.shape(outside[-2]) == np.shape(outside[-1])
+    return y + h * (1.5 * outside[-1] - 0.5 * outside[-2] if known else outside[-1])
+
+
+def in_a_default(f, t, y, h, seen=[]):  # noqa: B006
+    """A function that remembers in a default, which all runs of a process share."""
+    return in_the_module(f, t, y, h, seen)

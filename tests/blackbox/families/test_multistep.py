@@ -129,7 +129,10 @@ def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_sa
     [
         (lambda f, y0, ts: planted.run_of_adams_bashforth2(f, y0, ts)[-1], AB2, "returns only its last state"),
         (lambda q, v, h: (q + h * v, v - h * q), "bdf2", "its system is built in"),
-        (planted.in_the_module, AB2, "\nWhat would decide it\n  start: a stepper that keeps its memory"),
+        *(
+            (step, AB2, "\nWhat would decide it\n  start: a stepper that keeps its memory")
+            for step in (planted.in_the_module, planted.in_a_default)
+        ),
     ],
 )
 def test_what_cannot_be_seen_leaves_it_undecided(step, key, words):

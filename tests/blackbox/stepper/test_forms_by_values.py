@@ -136,7 +136,7 @@ def test_one_number_several_and_arrays_of_cells_are_read_by_their_values_and_jud
 
 def test_parameters_that_are_not_returned_stay_parameters_and_no_step_notices_the_trial():
     counted = []
-    step = lambda x, v, dt, k, m, seen=counted: seen.append(dt) or (x + dt * v, v - dt * k / m * x)
+    step = lambda x, v, dt, k, m: counted.append(dt) or (x + dt * v, v - dt * k / m * x)
     assert opened(step).convention.extra == {"k": 1.0, "m": 1.0}
     assert 2.0**-20 not in counted
     assert opened(lambda y, m, dt: y - dt * y / m).reading == "the state: y; the step size: dt; set to 1: m"

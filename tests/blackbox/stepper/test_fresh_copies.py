@@ -40,10 +40,16 @@ def counting():
     return lambda: seen.append(0) or len(seen)
 
 
-def test_a_method_a_closure_and_a_default_are_copied_with_what_they_hold():
-    for step in (Counter().step, counter_in_a_default, counter_in_a_keyword, counting_on_itself(), counting()):
+def test_a_method_and_a_closure_are_copied_with_what_they_hold():
+    for step in (Counter().step, counting_on_itself(), counting()):
         first = fresh_copy(step)
         assert [first(), first(), fresh_copy(step)(), step()] == [1, 2, 1, 1]
+
+
+def test_a_default_is_shared_as_by_all_runs_of_a_process():
+    for step in (counter_in_a_default, counter_in_a_keyword):
+        first = fresh_copy(step)
+        assert [first(), first(), fresh_copy(step)(), step()] == [1, 2, 3, 4]
 
 
 def test_what_refuses_to_be_copied_is_none():

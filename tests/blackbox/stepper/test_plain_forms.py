@@ -215,15 +215,15 @@ def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, 
     assert wrong in found.verdict
 
 
-def heun(part=0.5, timed=True, copied=False):
-    """Heun's method for the first n numbers, in place as in C, or in a new array."""
+def heun(part=0.5, timed=True, copied=None):
+    """Heun's method for the first n numbers, in place as in C, or in a new array that is `copied`."""
 
     def step(n, t, y, h, f):
         k1, later = f(t, y), 1.0 * y
         for i in range(n):
             later[i] += h * k1[i]
         k2 = f(t + h, later)
-        y = np.array(y[:n]) if copied else y
+        y = copied(y, n) if copied else y
         for i in range(n):
             y[i] += h * (part * k1[i] + (1 - part) * k2[i])
         return y if copied else None
@@ -236,7 +236,10 @@ def each_step(f, t, y, h, n):
         y += h * f(t + i * h, y)
 
 
-@pytest.mark.parametrize("form", [{}, {"timed": False}, {"copied": True}])
+COPIES = [lambda y, n: np.array(y[:n]), lambda y, n: y.copy(), lambda y, n: [*y]]  # the first n numbers, or all
+
+
+@pytest.mark.parametrize("form", [{}, {"timed": False}, *({"copied": each} for each in COPIES)])
 def test_n_is_the_number_of_numbers_where_a_step_of_one_leaves_the_others_as_they_are(form):
     assert "is heun2 to roundoff" in verify(heun(**form), "heun2", examples=30, isolate=False).verdict
     assert verify(heun(0.25, **form), "heun2", examples=30, isolate=False).passed is False

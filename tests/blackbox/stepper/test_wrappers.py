@@ -71,7 +71,7 @@ def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_el
 @pytest.mark.parametrize(("code", "shown"), [
     ("class Bare:\n    def run(self, dt): pass", 'velocity="VELOCITY", advance="run")  # attributes'),
     ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
-    ("def bare(one, two): pass", "write a step(f, t, y, h), or step(force, q, v, h), of your own that calls it with"),
+    ("def bare(one, two): pass", "write: wrapped = lambda y, h: bare(y, h)  # where one is its state and two its step"),
     ("def bare(one, rhs, mesh, dt): pass", "of your own that calls it with its state"),
 ])  # fmt: skip
 def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(code, shown):
