@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10758,
     "numeric": 4588,
     "blackbox": 23212,
-    "enclosure": 5741,
+    "enclosure": 5737,
     "texts": 10676,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6233

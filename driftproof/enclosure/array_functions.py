@@ -184,9 +184,7 @@ class _Numpy(ModuleType):
     @staticmethod
     def searchsorted(a: Any, v: Any, *side: Any, **options: Any) -> Any:
         """numpy.searchsorted, also at a single enclosed number."""
-        return (
-            sorted_place(a, v, *side, **options) if isinstance(v, Enclosed) else np.searchsorted(a, v, *side, **options)
-        )
+        return (sorted_place if isinstance(v, Enclosed) else np.searchsorted)(a, v, *side, **options)
 
     class _Linalg(ModuleType):
         """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm, solve and inv."""
