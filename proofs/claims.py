@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 import pytest
 
+from proofs.sentences import lines_read
+
 # The kinds of evidence, strongest first.
 PROVED = "PROVED"  # an identity, a visible sign, an exact value or series: no sampling, no floats
 RESTRICTED = "RESTRICTED"  # proved under a hypothesis that the sentence leaves out, itself proved necessary
@@ -41,24 +43,25 @@ NOT_VERIFIABLE = {
     "L249": "heading of the sources",
 }
 
-# The statements of the present lesson. A proof marked L250 adds one, a proof marked T06 a claim about the toolkit.
-STATEMENTS = tuple(f"L{number:03}" for number in range(1, 250))
+# The statements of the present lesson: those with which its lines were read. A proof marked with the number after the
+# last adds one, a proof marked T06 a claim about the toolkit; a number that is none of them was dropped by the lesson.
+STATEMENTS = tuple(sorted({key for line in lines_read() for key in line.claims}))
 REQUIRED = tuple(key for key in STATEMENTS if key not in NOT_VERIFIABLE)
 _CLAIM = re.compile(r"L\d{3}|T\d{2}")
 HOW_TO_ADD = "a claim is a function in the file of its subject in proofs/, marked @claim(id, evidence=..., by=...)"
 
 
 def required_claims(proved: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The claims of the lesson and of the toolkit that need a proof: all up to the last of the `proved` ids of each.
+    """The claims of the lesson and of the toolkit that need a proof: all, and up to the last `proved` of each.
 
-    >>> required_claims(["L250", "T02"]) == ((*REQUIRED, "L250"), ("T01", "T02"))
+    >>> required_claims(["L002", "T02"]) == (REQUIRED, ("T01", "T02"))
     True
     """
-    last = {"L": len(STATEMENTS), "T": 0}
+    last = {"L": 0, "T": 0}
     for key in proved:
         last[key[0]] = max(last[key[0]], int(key[1:]))
-    lesson = (f"L{number:03}" for number in range(1, last["L"] + 1))
-    return tuple(key for key in lesson if key not in NOT_VERIFIABLE), tuple(f"T{n:02}" for n in range(1, last["T"] + 1))
+    added = (f"L{number:03}" for number in range(int(STATEMENTS[-1][1:]) + 1, last["L"] + 1))
+    return (*REQUIRED, *added), tuple(f"T{n:02}" for n in range(1, last["T"] + 1))
 
 
 def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:
@@ -77,4 +80,8 @@ def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:
         if not _CLAIM.fullmatch(key):
             what = "L and three digits are a statement of the lesson, T and two digits one about the toolkit"
             raise ValueError(f"{key} is no id of a claim: {what}; a new one takes the next number")
+        if key <= STATEMENTS[-1] and key not in STATEMENTS:
+            raise ValueError(
+                f"{key} is no statement of the lesson any more: delete it here, with the proof if it is alone"
+            )
     return pytest.mark.claim(*ids, evidence=evidence, by=by)

@@ -93,20 +93,23 @@ class Ledger:
         return ", ".join(f"{counts[standing]} {standing}" for standing in order if counts[standing])
 
     def text(self, width: int) -> str:
-        """The table for a terminal of `width` columns, then what was not run, the totals, and what failed."""
+        """The table for a terminal of `width` columns, then what was not run, and the totals.
+
+        If a test failed, with a claim or without, the table has only the claims that failed: nothing drowns in it.
+        """
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
+        failed = "failed" in self.outcomes.values()
         for claim in self.required:
-            if entry := self.entries.get(claim):
+            if (entry := self.entries.get(claim)) and (not failed or self.standing(claim) == "failed"):
                 statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
                 rows.append([claim, self.standing(claim), entry.technique, statement])
-        lines = [table(rows)]
+        lines = [table(rows)] * bool(rows[1:])
         if missing := self.missing:
             more = f" and {len(missing) - NAMED} more" if len(missing) > NAMED else ""
             named = f"{', '.join(missing[:NAMED])}{more}"
             lines.append(textwrap.fill(f"not run, or without a proof: {named}; {HOW_TO_ADD}", width))
-        failed = [f"failed: {row[0]}  {row[-1]}" for row in rows if row[1] == "failed"]
-        return "\n".join([*lines, self.totals(), *failed])
+        return "\n".join([*lines, self.totals()])
 
     def markdown(self) -> str:
         """The content of ledger.md: the table with full statements, in Markdown."""

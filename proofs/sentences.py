@@ -4,7 +4,8 @@ A proof cannot tell that its sentence has been rewritten. `proofs/lesson/sentenc
 sentences themselves; a line that is another one now is named with its statements. After reading them against the
 ledger, `python -m proofs.sentences` writes the file anew, from the text and the list of claims beside this checkout. A
 line whose words are as before keeps its statements; the others stand where their words do, the `quote` of the list. If
-these stand nowhere any more, the statement is named and nothing is written.
+these stand nowhere any more, the statement is named and nothing is written. A statement that the list has no more is
+dropped: the files that still speak of it are named.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ from functools import cache
 from hashlib import sha256
 from itertools import accumulate
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, NamedTuple
 
 BESIDE = Path(__file__).parents[2] / "shared" / "lesson"
 LESSON, INVENTORY = BESIDE / "lesson.txt", BESIDE / "claims.json"
 FILE = Path(__file__).parent / "lesson" / "sentences.txt"
-DIGITS = 16
+DIGITS, LONGEST_QUOTE = 16, 100
 HEAD = "# The number of each line of the lesson that has words, a digest of these, and the statements in it.\n"
 
 
@@ -100,12 +102,11 @@ def changes(text: str) -> list[str]:
     return told or [moved] * bool(moved)
 
 
-def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> dict[int, list[str]]:
-    """The statements of an inventory by the lines of the text in which they stand.
+def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> tuple[dict[int, list[str]], list[str]]:
+    """The statements of an inventory by the lines of the text in which they stand, and a sentence for each without one.
 
     A statement that was read stands where its line does, or in what took the place of that, or else in a line that is
-    new; any other, anywhere. Its `line` says which, if its quote stands in several of these. Raises ValueError that
-    names all statements whose quote stands in none, or in several of which `line` is none.
+    new; any other, anywhere. Its `line` says which, if its quote stands in several of these; else it stands in none.
     """
     its_own: dict[str, set[int]] = {}
     others: set[int] = set()
@@ -124,10 +125,17 @@ def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> dict[int, list[
         for number in found[0] if found else ():
             claims.setdefault(number, []).append(entry["id"])
         if not found:
-            lost.append(f"{entry['id']}: {entry['quote']!r}")
+            lost.append(f"{entry['id']}: {shorten(entry['quote'], LONGEST_QUOTE, placeholder=' ...')!r} is gone")
+    return claims, lost
+
+
+def to_do(text: str, inventory: Iterable[Mapping[str, Any]]) -> list[str]:
+    """What differs between a text and what was read, and what to do about it; nothing if it does not differ."""
+    told, lost = changes(text), placed(text, inventory)[1]
     if lost:
-        raise ValueError("\n".join(lost))
-    return claims
+        lost.append(f"Write the new words of these to {INVENTORY.name}; delete those that the lesson says no more.")
+    read = "Read what has other words against its proof in ledger.md, then run python -m proofs.sentences."
+    return [*told, *lost, read] if told or lost else []
 
 
 def _where(quote: str, words: dict[int, str]) -> list[tuple[int, ...]]:
@@ -142,16 +150,30 @@ def _where(quote: str, words: dict[int, str]) -> list[tuple[int, ...]]:
 def main() -> int:
     """Write the file from the lesson's text and its list of claims, and tell what is taken as read by that."""
     text = LESSON.read_text(encoding="utf-8")
-    try:
-        claims = placed(text, json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"])
-    except ValueError as error:
-        head = f"nothing written: {INVENTORY.name} quotes words that stand in no line of {LESSON.name} that is theirs;"
-        print(f"{head} bring quote and line up to date\n{error}", file=sys.stderr)
+    inventory = json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"]
+    claims, lost = placed(text, inventory)
+    if lost:
+        print("\n".join(["nothing written:", *to_do(text, inventory)]), file=sys.stderr)
         return 1
     told, read = changes(text), lines_of(text, claims)
+    dropped = {claim for line in lines_read() for claim in line.claims}.difference(*(line.claims for line in read))
     FILE.write_text(HEAD + "".join(f"{line}\n" for line in read), encoding="utf-8")
     print("\n".join([f"wrote {FILE.name}: {len(read)} lines", *(f"now read: {each}" for each in told)]))
+    print(
+        "".join(f"dropped: {claim}, still named in {', '.join(_named(claim))}\n" for claim in sorted(dropped)), end=""
+    )
     return 0
+
+
+def _named(claim: str) -> list[str]:
+    """The files of the proofs that name a statement, with the line in which they do so first."""
+    found = []
+    for path in sorted(Path(__file__).parent.rglob("*")):
+        if path.suffix in (".py", ".toml", ".v"):
+            lines = path.read_text(encoding="utf-8").splitlines()
+            at = [n for n, line in enumerate(lines, 1) if re.search(rf"(?<![^\W_]){claim}(?![^\W_])", line)]
+            found += [f"{path.relative_to(Path(__file__).parents[1])}:{n}" for n in at[:1]]
+    return found
 
 
 if __name__ == "__main__":

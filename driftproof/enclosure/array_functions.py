@@ -44,8 +44,18 @@ def holds_enclosed(values: Any) -> bool:
     return any(isinstance(x, Enclosed) for x in np.ravel(values))
 
 
-def _sign(x: Any) -> Any:
-    return enclosed(x.evaluation, x.sign()) if isinstance(x, Enclosed) else np.sign(x)
+def at_enclosed(own: Callable[..., Any]) -> Callable[[Any], Callable[..., Any]]:
+    """What makes a function of NumPy or SciPy one that calls our own at an enclosed number, or at each in an array."""
+
+    def made(plain: Any) -> Callable[..., Any]:
+        def function(x: Any, *more: Any, **options: Any) -> Any:
+            if not isinstance(x, Enclosed) and holds_enclosed(x):
+                return np.vectorize(lambda each: function(each, *more, **options), otypes=[object])(x)[()]
+            return (own if isinstance(x, Enclosed) else plain)(x, *more, **options)
+
+        return function
+
+    return made
 
 
 def among(given: Any, chosen: Any) -> Any:
@@ -165,33 +175,16 @@ class _Numpy(ModuleType):
         """numpy.clip, of which None for a bound has no enclosure."""
         return NUMPY.minimum(NUMPY.maximum(x, least), most)
 
-    @staticmethod
-    def sign(x: Any) -> Any:
-        """numpy.sign, whose loop over objects asks three times for what one comparison or two decide."""
-        return np.vectorize(_sign, otypes=[object])(x)[()] if holds_enclosed(x) else np.sign(x)
-
-    @staticmethod
-    def sinc(x: Any) -> Any:
-        """numpy.sinc, which asks for the type of an array."""
-        each = lambda x: x.sinc() if isinstance(x, Enclosed) else np.sinc(x)
-        return np.vectorize(each, otypes=[object])(x)[()] if holds_enclosed(x) else np.sinc(x)
-
-    @staticmethod
-    def interp(x: Any, *points: Any, **options: Any) -> Any:
-        """numpy.interp, which enclosed numbers have at a single number."""
-        return interpolated(x, *points, **options) if isinstance(x, Enclosed) else np.interp(x, *points, **options)
-
-    @staticmethod
-    def digitize(x: Any, *bins: Any, **options: Any) -> Any:
-        """numpy.digitize, also at a single enclosed number."""
-        return (bin_of if isinstance(x, Enclosed) else np.digitize)(x, *bins, **options)
+    # NumPy's loop of sign over objects asks three times for what one comparison or two decide; sinc wants a type.
+    sign = staticmethod(at_enclosed(lambda x: enclosed(x.evaluation, x.sign()))(np.sign))
+    sinc = staticmethod(at_enclosed(lambda x: x.sinc())(np.sinc))
+    interp = staticmethod(at_enclosed(interpolated)(np.interp))
+    digitize = staticmethod(at_enclosed(bin_of)(np.digitize))
 
     @staticmethod
     def searchsorted(a: Any, v: Any, *side: Any, **options: Any) -> Any:
         """numpy.searchsorted, also at a single enclosed number."""
-        return (
-            sorted_place(a, v, *side, **options) if isinstance(v, Enclosed) else np.searchsorted(a, v, *side, **options)
-        )
+        return (sorted_place if isinstance(v, Enclosed) else np.searchsorted)(a, v, *side, **options)
 
     class _Linalg(ModuleType):
         """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm, solve and inv."""

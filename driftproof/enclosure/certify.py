@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.evaluations import Refused, in_bits
@@ -130,9 +130,9 @@ def _certified(
     except NotItsSteps as refusal:
         off = refusal
     on_time = [true[t] for t in run.exact_times]
-    with ctx.workprec(enclosed.bits):
+    with in_bits(enclosed.bits):
         digits = tuple(right_digits(*each) for each in zip(errors, on_time, strict=True))
-    with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
+    with in_bits(max(enclosed.bits, split.bits if split else 0)):
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
     points = tuple(run.times), tuple(map(tuple, run.states))
@@ -186,7 +186,7 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
         except Refused as refusal:  # a ball may have been too wide for f
             reason, bits = f": {refusal}", 2 * bits
             continue
-        with ctx.workprec(bits):
+        with in_bits(bits):
             truncation = _differences(rows, [true[t] for t in plan.starts])
             shifted = [
                 [x - y for x, y in zip(true[a], true[b], strict=True)] if a != b else [arb(0)] * len(true[a])
@@ -198,7 +198,7 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
             )
         if _is_small(rounding, rows):
             run_of = plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits
-            with ctx.workprec(bits), stage(f"checking the steps of {plan.method.key}"):
+            with in_bits(bits), stage(f"checking the steps of {plan.method.key}"):
                 return Split(*run_of, not plan.method.explicit, unchecked_intervals(plan, run, rows))
         reason, bits = "", 2 * bits
     raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
@@ -277,7 +277,7 @@ def within(found: Certificate, tolerance: float | Fraction) -> bool:
 
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:
     true = dict(zip(enclosed.times, enclosed.states, strict=True))
-    with ctx.workprec(enclosed.bits):
+    with in_bits(enclosed.bits):
         return _differences(run.states, [true[t] for t in run.exact_times])
 
 

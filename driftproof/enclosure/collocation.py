@@ -12,12 +12,11 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_mat, arb_poly, ctx
+from flint import arb, arb_mat, arb_poly
 
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import Evaluation
-from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.steps import linearised
+from driftproof.enclosure.evaluations import Evaluation, in_bits
+from driftproof.enclosure.fields import RightHandSide, linearised
 from driftproof.symbolic.algebra.certified import enclose
 
 # From the third correction on, each has to be at most half of the one before.
@@ -49,7 +48,7 @@ def collocation(m: int, bits: int, length: int) -> CollocationMatrices:
     """The matrices for m stages, accurate to `bits` bits, with the first `length` Chebyshev polynomials."""
     legendre = [0.0] * (m - 1) + [-1.0, 1.0]
     stages = [*np.sort(np.polynomial.legendre.legroots(legendre).real)[:-1].tolist(), 1.0]
-    with ctx.workprec(2 * bits):
+    with in_bits(2 * bits):
         nodes = [arb(x) for x in (-1.0, *stages)]
         inverse = arb_mat([[x**k for k in range(m + 1)] for x in nodes]).inv().mid()
         slopes = arb_mat([[k * x ** max(k - 1, 0) for k in range(m + 1)] for x in nodes[1:]]) * inverse

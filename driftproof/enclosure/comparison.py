@@ -11,6 +11,7 @@ from math import log2
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from driftproof.enclosure.evaluations import in_bits
 from driftproof.enclosure.numbers import size
 
 # The κh that are tried in the bound r e^(κs): the first loses little; a system that grows needs a larger one.
@@ -39,7 +40,7 @@ def at_the_end(M: arb_mat, sources: arb_mat, step: arb) -> tuple[arb_mat, arb_ma
     both = arb_mat([*rows, *[[arb(0)] * (n + k)] * k]) * step
     # Squaring the exponential loses about as many bits as its argument has before the point.
     lost = int(log2(1 + float(size(both.entries()))))
-    with ctx.workprec(ctx.prec + lost):
+    with in_bits(ctx.prec + lost):
         found = both.exp().tolist()[:n]
     return sizes_of(arb_mat([row[:n] for row in found])), sizes_of(arb_mat([row[n:] for row in found]))
 

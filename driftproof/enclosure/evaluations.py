@@ -205,9 +205,11 @@ def analytic(name: str, x: Value) -> Value:
 
 
 def running_line() -> str:
-    """The line of the user's code that is running, where it can be read, as the end of a sentence."""
+    """The line of the user's code that is running, if it can be read, and what of SciPy it calls, to end a sentence."""
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OURS:
+    called = ""
+    while frame is not None and (package := str(frame.f_globals.get("__name__")).partition(".")[0]) in _OURS:
+        called = f", by SciPy's {frame.f_code.co_qualname}" if package == "scipy" else called
         frame = frame.f_back
     line = "" if frame is None else linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()
-    return f" in {line[:_LONGEST_LINE]!r}" if line else ""
+    return (f" in {line[:_LONGEST_LINE]!r}" if line else "") + called

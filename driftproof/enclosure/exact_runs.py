@@ -10,16 +10,15 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb
 
 from driftproof.enclosure.array_functions import array_of
 from driftproof.enclosure.clocks import exact_time
-from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
+from driftproof.enclosure.evaluations import Evaluation, Refused, in_bits
+from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates, linearised
 from driftproof.enclosure.implicit_runs import implicit_step, rational_nodes
 from driftproof.enclosure.numbers import Enclosed, size
 from driftproof.enclosure.solutions import BITS_AT_FIRST
-from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.trajectories import Trajectory
 from driftproof.methods.explicit_steps import array_step
 from driftproof.methods.given_methods import method_of
@@ -79,7 +78,7 @@ class StepPlan:
 
     def states(self, start: Sequence[float], bits: int) -> list[Row]:
         """The exact run at each point, in balls of `bits` bits. Raises Refused if one is as wide as the solution."""
-        with ctx.workprec(bits):
+        with in_bits(bits):
             step = exact_step(self.method, self.f, len(start))
             y: Row = tuple(arb(x) for x in start)
             found, largest = [y], size(y)
@@ -119,7 +118,7 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
     if sum(counts) > MOST_STEPS_EXACTLY:
         raise Refused(f"{sum(counts)} steps are too many to run exactly; at most {MOST_STEPS_EXACTLY}")
     plan = StepPlan(enclosable(f), found, tuple(starts), tuple(counts), tuple(sizes))
-    with ctx.workprec(BITS_AT_FIRST):  # with a double's bits, balls widen too far where coefficients cancel
+    with in_bits(BITS_AT_FIRST):  # with a double's bits, balls widen too far where coefficients cancel
         unchecked_intervals(plan, run)
     return plan
 
@@ -246,12 +245,12 @@ def _off_by(
     return size(x - z for x, z in zip(after, y, strict=True)), allowed
 
 
-def _steps_that_fit(plan: StepPlan, i: int, off_by: Callable[[StepPlan, int], tuple[arb, arb]]) -> int:
-    """The number of steps, as long as the one before, that fit in an interval in which one does not; or 0."""
+def _steps_that_fit(plan: StepPlan, i: int, allowed: arb, off_by: Callable[[StepPlan, int], tuple[arb, arb]]) -> int:
+    """The number of steps, as long as the one before, that fit in an interval as well as one should; or 0."""
     n = round(plan.sizes[i] / plan.sizes[i - 1]) if i else 0
     if not 1 < n <= MOST_LOOKED_AT or plan.counts[i] > 1:
         return 0
-    off, allowed = off_by(replace(plan, counts=(n,) * (i + 1), sizes=(plan.sizes[i] / n,) * (i + 1)), i)
+    off, _ = off_by(replace(plan, counts=(n,) * (i + 1), sizes=(plan.sizes[i] / n,) * (i + 1)), i)
     return n if off <= allowed else 0
 
 
@@ -269,7 +268,7 @@ def _not_its_steps(
         causes = f"the others fit, as if y[{i + 1}] alone were changed"
     elif asked > 1 and not others and last:
         causes = "the others fit: if an event ended the run, leave out the last point"
-    elif asked > 1 and not others and (steps := _steps_that_fit(plan, i, off_by)):
+    elif asked > 1 and not others and (steps := _steps_that_fit(plan, i, allowed, off_by)):
         causes = f"{steps} steps fit there, as if rows were missing"
     stopped = plan.method.key == "radau_iia3" and rtol <= LOOSEST_RTOL
     if stopped:

@@ -9,19 +9,23 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from contextvars import ContextVar
 from copy import copy
+from fractions import Fraction
 from functools import partial
 from inspect import signature
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
+from flint import arb
 
 from driftproof.enclosure.array_functions import MATH, NUMPY, REPLACED, FloatOrEnclosed, array_of, chosen_by
+from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.data import spline_of
 from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.numbers import Enclosed, enclosed
+from driftproof.enclosure.numbers import OWN_SLOPE, Enclosed, enclosed, size
 from driftproof.enclosure.scipy_functions import OF_SCIPY, Sparse, is_sparse
 from driftproof.support.plain_text import counted
+from driftproof.symbolic.algebra.certified import enclose
 
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
@@ -30,6 +34,8 @@ RightHandSide = Callable[[Any, Any], Any]
 WRITTEN = ContextVar("f wrote into y", default=False)
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
+# What ∂f/∂y holds where a rate does not depend on a component.
+NO_SLOPE = arb(0)
 # Lists and objects within others count for so many of these.
 _OF_PARTS = 8
 
@@ -40,6 +46,50 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
     if len(rates) != len(y):
         raise Refused(f"f returns {len(rates)} numbers for {len(y)} components")
     return rates
+
+
+def linearised(
+    f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
+) -> tuple[list[Any], list[list[Any]]]:
+    """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls.
+
+    Entries are NO_SLOPE where a rate does not depend on a component.
+    """
+    state = [Enclosed(time.evaluation, value, {j: OWN_SLOPE} if slopes else None) for j, value in enumerate(y)]
+    rates = enclosed_rates(f, time, state)
+    rows = [[(rate.partials or {}).get(j, NO_SLOPE) for j in range(len(y))] for rate in rates]
+    return [rate.value for rate in rates], rows
+
+
+def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[int]:
+    """The outcomes of f's comparisons at a point, just after t; the doubles that f reads are added to `seen`."""
+    evaluation = Evaluation(doubles=seen, span=(t, None))
+    rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+    if not all(rate.value.is_finite() for rate in rates):
+        raise Refused(f"f is not finite at t = {float(t):.6g}")
+    return evaluation.taken
+
+
+def require_the_same(f: RightHandSide, t: Fraction, y: Sequence[arb], before: Sequence[arb]) -> None:
+    """Raise Refused if f at a point is certainly no longer what it was `before`, by half of a double's digits."""
+    rates, _ = linearised(f, Clock(Evaluation(span=(t, None)), enclose(t)), y, slopes=False)
+    least = arb(2) ** -26 * size([*rates, *before, *y])
+    for j, (x, now) in enumerate(zip(before, rates, strict=True)):
+        if abs(now - x) > least:
+            said = f"component {j} at t = {float(t):.9g} was {float(x):.9g} and is {float(now):.9g} in a later call"
+            raise Refused(f"f keeps a state from call to call, and so is no function of (t, y): {said}")
+
+
+def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> Refused | None:
+    """What f refuses on a box ahead that the solution needs the time 16 h to leave, or None: a guess for a message."""
+    evaluation, ahead = Evaluation(span=(t, None)), enclose(16 * h) * arb(0.5, 0.5)
+    try:
+        rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
+        box = [Enclosed(evaluation, x + rate.value * ahead) for x, rate in zip(y, rates, strict=True)]
+        enclosed_rates(f, Clock(evaluation, enclose(t) + ahead), box)
+    except Refused as refusal:
+        return refusal
+    return None
 
 
 def enclosed_values(

@@ -17,9 +17,8 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure.clocks import exact_time
 from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import RightHandSide
+from driftproof.enclosure.fields import RightHandSide, linearised
 from driftproof.enclosure.numbers import size
-from driftproof.enclosure.steps import linearised
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose

@@ -195,10 +195,8 @@ class Enclosed:
 
     def __float__(self, *_: object) -> float:
         """Raise Refused, with the line of f that wants it: an enclosure is not a float."""
-        said = (
-            f"f converts a number to a float{running_line()}; what has an enclosure are functions of NumPy and math, "
-        )
-        raise Refused(f"{said}SciPy's CubicSpline and BSpline, and arrays that f makes itself")
+        said = f"f converts a number to a float{running_line()}; what has an enclosure are functions of NumPy and math"
+        raise Refused(f"{said}, SciPy's CubicSpline and make_interp_spline, and arrays that f makes itself")
 
     __index__ = __complex__ = cast(Any, __float__)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.evaluations import Refused, in_bits
 from driftproof.enclosure.fields import RightHandSide, time_first
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.reproduction import reproduced_field
@@ -178,7 +178,7 @@ def _nearest_double(value: Any, where: str, names: Mapping[str, str]) -> float:
 
 def _expression_in_doubles(text: str, names: Mapping[str, str] | None = None) -> float:
     """The double nearest to an expression in pi and the names; NaN if it is none."""
-    with suppress(ValueError, ArithmeticError, Refused), ctx.workprec(_BITS):
+    with suppress(ValueError, ArithmeticError, Refused), in_bits(_BITS):
         function = field_function(field_of_text([text], names=names))
         return float(enclosed_invariant(lambda y: function(y[0] * 0, y), [arb("nan")], text).mid())
     return math.nan

@@ -11,14 +11,22 @@ from inspect import signature
 from math import ulp
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import TWO_RUNS, Evaluation, Overlapping, Refused, Replay, ZeroByZero, not_smooth
-from driftproof.enclosure.fields import RightHandSide
+from driftproof.enclosure.evaluations import (
+    TWO_RUNS,
+    Evaluation,
+    Overlapping,
+    Refused,
+    Replay,
+    ZeroByZero,
+    in_bits,
+    not_smooth,
+)
+from driftproof.enclosure.fields import RightHandSide, linearised
 from driftproof.enclosure.numbers import size
-from driftproof.enclosure.steps import linearised
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.vector_fields import VectorField
 
@@ -162,7 +170,7 @@ class _Rates:
         if not scale.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
         roundings = [_NONE] * components
-        with suppress(Refused), ctx.workprec(BITS_OF_DOUBLES):  # what cannot be divided there has no such bounds
+        with suppress(Refused), in_bits(BITS_OF_DOUBLES):  # what cannot be divided there has no such bounds
             rounded, _ = linearised(f, Clock(Replay(outcomes=evaluation.taken), arb(t)), balls, slopes=False)
             roundings = [UNITS_OF_FLOATS * x.rad() for x in rounded]
         return cls(rates, scale, roundings)

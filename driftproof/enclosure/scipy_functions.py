@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.enclosure.array_functions import among, holds_enclosed
+from driftproof.enclosure.array_functions import among, at_enclosed, holds_enclosed
 from driftproof.enclosure.data import spline_at
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.numbers import Enclosed, exact_value
@@ -36,29 +36,15 @@ def _splev(x: Enclosed, tck: Any, der: int = 0, ext: int = 0) -> Any:
     return tck(x) if callable(tck) else spline_at(tck, x, ext == 0)
 
 
-def _at_enclosed(own: Callable[..., Any]) -> Callable[[Any], Callable[..., Any]]:
-    """What makes a function of SciPy one that calls our own at an enclosed number, or at each in an array."""
-
-    def made(plain: Any) -> Callable[..., Any]:
-        def function(x: Any, *more: Any, **options: Any) -> Any:
-            if isinstance(x, np.ndarray) and x.dtype == object:
-                return np.vectorize(lambda each: function(each, *more, **options), otypes=[object])(x)[()]
-            return (own if isinstance(x, Enclosed) else plain)(x, *more, **options)
-
-        return function
-
-    return made
-
-
 def _of_special(name: str) -> Callable[[Any], Callable[..., Any]]:
-    return _at_enclosed(lambda x, *more: getattr(x, name)(*more))
+    return at_enclosed(lambda x, *more: getattr(x, name)(*more))
 
 
 # By the public module and the name.
 OF_SCIPY = {
     **{("scipy.special", name): _of_special(name) for name in ("erf", "erfc", "expit", "exprel")},
-    ("scipy.signal", "square"): _at_enclosed(_square),
-    ("scipy.interpolate", "splev"): _at_enclosed(_splev),
+    ("scipy.signal", "square"): at_enclosed(_square),
+    ("scipy.interpolate", "splev"): at_enclosed(_splev),
 }
 
 

@@ -18,23 +18,26 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
-from driftproof.enclosure.crossings import Crossing, Window, crossed
+from driftproof.enclosure.crossings import FOLLOWED, Crossing, Window, crossed
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, in_bits, not_smooth
-from driftproof.enclosure.fields import RightHandSide, enclosable
+from driftproof.enclosure.fields import (
+    NO_SLOPE,
+    RightHandSide,
+    decisions,
+    enclosable,
+    linearised,
+    obstacle_ahead,
+    require_the_same,
+)
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import (
-    NO_SLOPE,
     SHORTEST_PART,
     DensePiece,
     EnclosedStep,
     Expansion,
     Weights,
     balanced,
-    decisions,
     fewer_steps,
-    linearised,
-    obstacle_ahead,
-    require_the_same,
 )
 from driftproof.enclosure.stiff import StiffPath
 from driftproof.support.progress import stage
@@ -51,8 +54,9 @@ MOST_COMPONENTS = 200
 # A problem may be found stiff after this many steps, if all others are as long as the last; too long after 1/20 of the
 # steps allowed, if the others are like those so far; or after 1/200, if both estimates are ten times too many.
 STEPS_OF_STIFF, PART_OF_LONG, PART_OF_FAR_TOO_LONG = 20, Fraction(1, 20), Fraction(1, 200)
-# A stiff problem with fewer explicit steps left is finished by them; an implicit step is as long as 50 to 1000 of them.
-MOST_STIFF_STEPS = 2000
+# A stiff problem with fewer explicit steps left is finished by them, and one with fewer than the second number if no
+# implicit step is found; an implicit step is as long as 10 to 1000 of them, and takes the time of 4 to 9 (measured).
+MOST_STIFF_STEPS, MOST_IF_NO_OTHERS = 500, 10_000
 # A problem is stiff if a direction shrinks to less than this in a step, and steps do not get shorter, as at a pole.
 # Chosen: a little more than e⁻¹, as of a rate that a step is as long as the time of.
 SHRUNK = 0.4
@@ -95,19 +99,22 @@ def enclose_solution(
         function, balls = enclosable(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
-        path.pieces = pieces
         before = list[arb]()
         with suppress(Refused):  # where f starts on a kink, say
             before = linearised(function, Clock(Evaluation(span=(times[0], None)), enclose(times[0])), balls)[0]
         try:
             try:
-                states = _states(path, times)
+                states = _states(path, times, pieces)
             except Stiff:
                 path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
-                if pieces is not None:
-                    pieces.clear()
-                path.pieces = pieces
-                states = _states(path, times)
+                try:
+                    states = _states(path, times, pieces)
+                except Refused:
+                    if times[-1] - explicit.t > MOST_IF_NO_OTHERS * explicit.lengths[-1]:
+                        raise
+                    path = _Path(function, balls, times, bits)
+                    path.most_stiff = MOST_STEPS
+                    states = _states(path, times, pieces)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
             raise Refused("f or the solution is outside the range of doubles") from None
         finally:
@@ -117,9 +124,13 @@ def enclose_solution(
         return Enclosure(tuple(times), tuple(states), bits, path.steps, doubles, changes)
 
 
-def _states(path: _Path | StiffPath, times: Sequence[Fraction]) -> list[tuple[arb, ...]]:
-    """The solution at each time, with the progress reported."""
-    states = []
+def _states(
+    path: _Path | StiffPath, times: Sequence[Fraction], pieces: list[DensePiece] | None
+) -> list[tuple[arb, ...]]:
+    """The solution at each time, with the progress reported; the pieces are those of this path alone."""
+    states, path.pieces = [], pieces
+    if pieces is not None:
+        pieces.clear()
     with stage(f"enclosing the solution in {ctx.prec} bits") as progress:
         for t in times:
             states.append(path.states_at(t))
@@ -131,7 +142,7 @@ class _Path:
     """Explicit steps from the first time on, each beginning where the one before ends."""
 
     def __init__(self, f: RightHandSide, balls: Sequence[arb], times: Sequence[Fraction], bits: int) -> None:
-        self.f, self.t, self.steps = f, times[0], 0
+        self.f, self.t, self.steps, self.most_stiff = f, times[0], 0, MOST_STIFF_STEPS
         self.first, self.last, self.start = times[0], times[-1], tuple(balls)
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
@@ -220,7 +231,10 @@ class _Path:
         box = [x + e for x, e in zip(self.point, error, strict=True)]
         first = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
         units = list(
-            takewhile(lambda unit: unit < WIDEST_WINDOW * (self.last - self.first), (first * 4**k for k in count()))
+            takewhile(
+                lambda unit: unit < WIDEST_WINDOW * (self.last - self.first),
+                (first * 4 ** (k * FOLLOWED // 2) for k in count()),  # each is followed as far as the next but one
+            )
         )
         # The first tube of a step is wider than the set by so much, unless the weights say less.
         for margin, unit in product((arb(2) ** -ctx.prec, arb(0)), units):
@@ -249,7 +263,7 @@ class _Path:
         gone, left = step.t + step.h - self.first, self.last - step.t
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
-        if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
+        if lasting and left > self.most_stiff * step.h and _shrinks(step.flow):
             raise Stiff(f"stiff: too many steps are needed from t = {float(self.t):.4g} to the end")
         part, as_all, as_last = Fraction(self.steps, self.most), left * self.steps / gone, left / step.h
         far_too_long = lasting and part >= PART_OF_FAR_TOO_LONG and min(as_all, as_last) > 10 * self.most

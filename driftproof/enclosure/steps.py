@@ -25,9 +25,9 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.crossings import LEFT, Crossing, first_change
 from driftproof.enclosure.double_balls import DoubleBalls, convolved, derivative, norm_of, value_at_one
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Replay
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.fields import NO_SLOPE, RightHandSide, enclosed_rates, linearised, require_the_same
 from driftproof.enclosure.models import TaylorModel
-from driftproof.enclosure.numbers import OWN_SLOPE, Enclosed, series, size
+from driftproof.enclosure.numbers import Enclosed, series, size
 from driftproof.symbolic.algebra.certified import enclose
 
 # Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
@@ -47,7 +47,6 @@ SHORTEST_PART = Fraction(1, 2**40)
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
 # Sweeps to balance the weights. A few suffice even for the first step; others begin with the weights of the one before.
 SWEEPS = 2
-NO_SLOPE = arb(0)
 _EFFORT = ContextVar("part of the steps that are allowed", default=1.0)
 
 # The weights d of the norm |e| = max |e_i|/d_i, each a power of two.
@@ -125,37 +124,6 @@ def with_effort(part: float) -> Iterator[None]:
         yield
     finally:
         _EFFORT.reset(before)
-
-
-def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[int]:
-    """The outcomes of f's comparisons at a point, just after t; the doubles that f reads are added to `seen`."""
-    evaluation = Evaluation(doubles=seen, span=(t, None))
-    rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
-    if not all(rate.value.is_finite() for rate in rates):
-        raise Refused(f"f is not finite at t = {float(t):.6g}")
-    return evaluation.taken
-
-
-def require_the_same(f: RightHandSide, t: Fraction, y: Sequence[arb], before: Sequence[arb]) -> None:
-    """Raise Refused if f at a point is certainly no longer what it was `before`, by half of a double's digits."""
-    rates, _ = linearised(f, Clock(Evaluation(span=(t, None)), enclose(t)), y, slopes=False)
-    least = arb(2) ** -26 * size([*rates, *before, *y])
-    for j, (x, now) in enumerate(zip(before, rates, strict=True)):
-        if abs(now - x) > least:
-            said = f"component {j} at t = {float(t):.9g} was {float(x):.9g} and is {float(now):.9g} in a later call"
-            raise Refused(f"f keeps a state from call to call, and so is no function of (t, y): {said}")
-
-
-def obstacle_ahead(f: RightHandSide, t: Fraction, y: Sequence[arb], h: Fraction) -> Refused | None:
-    """What f refuses on a box ahead that the solution needs the time 16 h to leave, or None: a guess for a message."""
-    evaluation, ahead = Evaluation(span=(t, None)), enclose(16 * h) * arb(0.5, 0.5)
-    try:
-        rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
-        box = [Enclosed(evaluation, x + rate.value * ahead) for x, rate in zip(y, rates, strict=True)]
-        enclosed_rates(f, Clock(evaluation, enclose(t) + ahead), box)
-    except Refused as refusal:
-        return refusal
-    return None
 
 
 class Expansion:
@@ -379,19 +347,6 @@ def _coefficient(value: Any, k: int) -> arb:
     if isinstance(value, arb):
         return value if k == 0 else NO_SLOPE
     return value.coefficient(k) if isinstance(value, TaylorModel) else arb(value[k])
-
-
-def linearised(
-    f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
-) -> tuple[list[Any], list[list[Any]]]:
-    """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls.
-
-    Entries are NO_SLOPE where a rate does not depend on a component.
-    """
-    state = [Enclosed(time.evaluation, value, {j: OWN_SLOPE} if slopes else None) for j, value in enumerate(y)]
-    rates = enclosed_rates(f, time, state)
-    rows = [[(rate.partials or {}).get(j, NO_SLOPE) for j in range(len(y))] for rate in rates]
-    return [rate.value for rate in rates], rows
 
 
 def balanced(jacobian: Sequence[Sequence[arb]], before: Weights) -> Weights:

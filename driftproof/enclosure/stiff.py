@@ -23,10 +23,10 @@ from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_mo
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
 from driftproof.enclosure.double_balls import bounds, coefficients_in_doubles, convolved, derivative, ranges
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, not_smooth
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates
+from driftproof.enclosure.fields import RightHandSide, enclosed_rates, linearised, obstacle_ahead
 from driftproof.enclosure.models import TaylorModel, coefficients_of, value_at
 from driftproof.enclosure.numbers import Enclosed
-from driftproof.enclosure.steps import DensePiece, fewer_steps, linearised, obstacle_ahead
+from driftproof.enclosure.steps import DensePiece, fewer_steps
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits for each stage: 128 bits give 18 stages, whose steps are about as long as the nearest singularity is away.

@@ -24,6 +24,7 @@ FIELDS = {
     "hypot": lambda t, y: np.hypot(1, y[0]) + np.hypot([1.0, 2.0, 3.0], y) + np.hypot(y, 2.0),
     "angles": lambda t, y: np.arctan2(1.0, y[0]) + np.arctan2(np.ones(3), y) + np.arctan2(y, 2),
     "sinc": lambda t, y: np.sinc(y) + np.sinc(y[0]) + np.sinc(0.5),
+    "interp": lambda t, y: np.interp(y, [-9.0, 9.0], [1.0, 0.5]) - 0.1 * np.interp(y[0], [-9.0, 9.0], [1.0, 0.5]),
     "solve": lambda t, y: np.linalg.solve(MASSES, -y) + np.linalg.solve(MASSES, np.eye(3)) @ y,
     "solve with y": lambda t, y: np.linalg.solve(moving(y), y) + np.linalg.inv(moving(y)) @ y,
     "solve for columns": lambda t, y: np.linalg.solve(moving(y), np.outer(y, y))[:, 1],

@@ -98,7 +98,7 @@ def test_solution_with_a_jump_is_enclosed_and_steps_are_as_long_as_without():
 )
 def test_wrong_decisions_exclude_the_solution(name, wrong, monkeypatch):
     clocks = mutant("clocks", wrong)
-    for module in ("steps", "solutions"):
+    for module in ("steps", "solutions", "fields"):
         monkeypatch.setattr(f"driftproof.enclosure.{module}.Clock", clocks.Clock)
     monkeypatch.setattr("driftproof.enclosure.steps.TimeCut", clocks.TimeCut)
     f = lambda t, y: [-y[0] + (1.0 if (t % 4) * 2 < 4 else 0.0) * (t < 3)]

@@ -251,7 +251,7 @@ def test_data_are_refused_beyond_their_ends_and_by_another_order():
     within = lambda t, y: [inside(t)]
     assert enclose_solution(within, [Fraction(0)], [Fraction(1, 2), Fraction(4)]).steps >= 3
     for said, f in (
-        ("f converts a number to a float", lambda t, y: [ending(t)]),
+        ("f converts a number to a float in .*, by SciPy's UnivariateSpline.__call__;", lambda t, y: [ending(t)]),
         ("a spline beyond its ends", within),
         ("data beyond their ends", lambda t, y: [lines(t)]),
     ):

@@ -204,6 +204,8 @@ REFUSED = {
         oscillator, LONG[0], [*LONG[1][:131], LONG[1][131] + 1e-9, *LONG[1][132:]], "rk4"),
     r"y\[131\] is not one step of rk4 from y\[130\].* 1 of 255 looked at\): 2 steps fit there, as if rows were": (
         oscillator, np.delete(LONG[0], 131), np.delete(LONG[1], 131, axis=0), "rk4"),
+    r"y\[3\] is not one step of rk4 from y\[2\]: off by 1e-12.* 1 of 6 looked at\): another method": (
+        lambda t, y: 0 * y, [0, 1, 2, 9, 10, 11, 12], [[1.0]] * 3 + [[1 + 1e-12]] * 4, "rk4"),
     r"y\[6\] is not one step of rk4 from y\[5\]: off by 1e-09.* the others fit: if an event ended the run": (
         pendulum, TIMES, AT_AN_EVENT, "rk4"),
     r"velocity_verlet needs y = \(q, v\) with q' = v and v' independent": (slow, TIMES, STATES, "velocity_verlet"),

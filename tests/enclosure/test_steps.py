@@ -9,6 +9,7 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.fields import decisions
 from driftproof.enclosure.numbers import size
 from driftproof.enclosure.steps import balanced
 from driftproof.symbolic.algebra.certified import enclose
@@ -16,7 +17,7 @@ from tests.enclosure.mutants import mutant
 
 
 def made(module, f, start, spread, length=42, longest=Fraction(2), weights=None):
-    decided = module.decisions(f, Fraction(0), start, set())
+    decided = decisions(f, Fraction(0), start, set())
     weights = [arb(1)] * len(start) if weights is None else weights
     return module.Expansion(f, Fraction(0), start, length, decided, weights).step(longest, [spread] * len(start))
 

@@ -176,9 +176,7 @@ def test_start_is_as_it_was_given():
 
 
 def test_step_over_a_branch_is_refused():
-    def f(t, y):
-        return [-1000 * (y[0] - np.cos(t)) if y[0] > 0.6 else -y[0]]
-
+    f = lambda t, y: [-1000 * (y[0] - np.cos(t)) if y[0] > 0.6 else -y[0]]
     with pytest.raises(Refused, match=r"no implicit step from t = 0\.92.*: f compares numbers whose"):
         enclosed(f, [1.0], [Fraction(0), Fraction(2)], 64)
 

@@ -65,13 +65,9 @@ def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_call
     standing = standings(done)
     assert done.returncode != 0
     assert [standing[key] for key in ("L059", "L188", "L207")] == ["failed"] * 3
-    assert (standing["L036"], standing["L052"]) == ("PROVED", "PROVED")
+    assert not {"L036", "L163"} & {*standing}  # of those that stand, or were not run, there is the number alone
+    assert re.search(r"^228 claims: \d+ PROVED, .* \d+ failed, \d+ not run\b", done.stdout, re.MULTILINE)
     assert "assert '337/384' == '" in done.stdout  # what is printed beside what it would be now
-    assert "L163   not run" in done.stdout
-    assert ("\nfailed: L059  " in done.stdout.partition(" claims: ")[2], "\nfailed: L036" in done.stdout) == (
-        True,
-        False,
-    )
     assert "values.json not written" in done.stdout
     assert digest() == before
 

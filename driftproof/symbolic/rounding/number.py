@@ -22,7 +22,6 @@ from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, is_power_of_two
 from driftproof.symbolic.rounding.polynomials import (
-    BOUNDS,
     ETA,
     ONE,
     ZERO,
@@ -183,13 +182,10 @@ def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
     """A bound at least as large without the highest powers, as d <= 1/2, and eta <= 1 in all but toy formats."""
     if fmt.eta > 1:
         return bound
-    left, short = dict[tuple[int, ...], Any](), dict[tuple[int, ...], Any]()
-    for in_d, in_eta, *powers in bound.monoms():
-        before, kept = (in_d, in_eta, *powers), (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
-        if kept != before:
-            left[before] = bound[before]
-            short[kept] = short.get(kept, 0) + left[before] / 2 ** (in_d - kept[0])
-    return bound - BOUNDS.from_dict(left) + BOUNDS.from_dict(short)
+    for number, most, largest in ((D, MOST_D, Fraction(1, 2)), (ETA, MOST_ETA, Fraction(1))):
+        while (parts := divmod(bound, number ** (most + 1)))[0]:
+            bound = parts[1] + parts[0] * number**most * as_fmpq(largest)
+    return bound
 
 
 def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
