@@ -65,15 +65,15 @@ NOT_ELSEWHERE = "sympy"
 # (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
-    "support": 1273,
+    "support": 1341,
     "methods": 5523,
     "symbolic": 10758,
-    "numeric": 4588,
+    "numeric": 4631,
     "blackbox": 23215,
     "enclosure": 5737,
     "texts": 10676,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6233
+BUDGET_OF_REPORTS_AND_FRONT = 6273
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

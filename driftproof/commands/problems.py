@@ -38,7 +38,8 @@ def stability_command(options: Namespace) -> str:
                                             with kinks and jumps: max, min, sign, heaviside, floor, mod(t, 12)
       start = ["1/2", "0"]                  at t = 0; rational, as is end
       end = "10"
-      energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
+      energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title; if f changes it, errors are differences
+                                            from that of the solution
       parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters;
                                             another one with --parameters g=1.62
     or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
@@ -64,7 +65,7 @@ def stability_command(options: Namespace) -> str:
         metavar="E,E",
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
-    cli.list_option("--peers", "also scipy, diffrax, heyoka, torchdiffeq", type=cli.several(str), metavar="P,P"),
+    cli.list_option("--peers", "also scipy, diffrax, heyoka", type=cli.several(str), metavar="P,P"),
     cli.time_limit_option(
         "seconds for timing one point (default 0.1); a longer run is not timed, and if it needs more than 10⁸"
         " evaluations for each of these seconds, its error is not measured",
@@ -99,6 +100,6 @@ def work_precision_command(options: Namespace) -> str:
       work_precision.csv         both, in one row for each point
       work_precision_state.svg   the figures: state, energy, phase
       points.json                the points from which an interrupted study is resumed
-    --peers also runs scipy, diffrax, heyoka or torchdiffeq (extra `peers`), at tolerances from 1e-3 to 1e-13.
+    --peers also runs scipy, diffrax or heyoka (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
     return cli.answer_of("work_precision", options)

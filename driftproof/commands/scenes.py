@@ -35,7 +35,7 @@ def scene_command(options: Namespace) -> str:
       h = "1/8"                         or 0.125, which is read exactly as well
       t = 10
       start = [1, 0]
-      readouts = ["state_error", "evaluations"]
+      readouts = ["state_error", "evaluations"]      of a problem also energy_error, largest_energy_change and _error
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """

@@ -44,7 +44,7 @@ class _Pi:
     def __float__(self) -> float:
         return math.pi  # the nearest double: CPython's literal has 36 digits
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return "pi"
 
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:

@@ -9,8 +9,10 @@ import numpy as np
 # A float or an array of them; pairs (q, v) broadcast against each other.
 FloatOrArray: TypeAlias = Any
 FloatState: TypeAlias = tuple[FloatOrArray, FloatOrArray]
-# Readouts of all states on the way, which are then kept.
-TRAJECTORY, LARGEST_CHANGE = ON_THE_WAY = ("trajectory", "largest_energy_change")
+# Of a problem: the energy less that of the solution at the same time.
+ENERGY_ERROR = "energy_error"
+# Readouts of all states on the way, which are then kept; the last one is of a problem.
+TRAJECTORY, LARGEST_CHANGE, LARGEST_ERROR = ON_THE_WAY = ("trajectory", "largest_energy_change", "largest_energy_error")
 
 
 def exact_state(start: FloatState, t: FloatOrArray) -> FloatState:

@@ -67,7 +67,7 @@ class Way(NamedTuple):
 def errors(problem: Problem, states: Mapping[Fraction, _Floats], way: Way | None = None) -> dict[str, Size]:
     """The sizes of the errors of a run, from its states at some of the reference's times, its last one among them.
 
-    `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, if the problem has an energy. `phase`: degrees, for the
+    `state`: Euclidean distance. `energy`: |E(y) - E(y(t))|, if the problem has an energy. `phase`: degrees, for the
     oscillator only; undefined at the origin, where it counts as half a turn. With a `way` the largest are those of all
     its states, too, in doubles. Raises ArithmeticError for a state that is not finite.
     """
@@ -77,8 +77,7 @@ def errors(problem: Problem, states: Mapping[Fraction, _Floats], way: Way | None
     at = [t for t in sorted(states) if t in digits]
     found = {STATE: [distance_from_digits(states[t], digits[t]) for t in at]}
     if problem.energy is not None:
-        before = decimal_energy(problem, problem.start)
-        found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in at]
+        found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - energy_of_solution(problem, t))) for t in at]
     if is_oscillator(problem):
         found[PHASE] = [_phase(states[t], digits[t]) for t in at]
     dense = problem.reference.dense
@@ -92,10 +91,34 @@ def _largest_on(way: Way, problem: Problem, dense: DenseSolution) -> dict[str, f
     true = dense.at(way.times)
     found = {STATE: float(np.hypot.reduce(way.states - true, axis=1).max())}
     if problem.energy is not None:
-        found[ENERGY] = abs(largest_energy_change(problem, way.states))
+        found[ENERGY] = abs(largest_energy_error(problem, way))
     if is_oscillator(problem):
         ahead = np.abs(phase_error(tuple(way.states.T), tuple(true.T)))
         found[PHASE] = float(np.nan_to_num(ahead, nan=180.0).max())
+    return found
+
+
+def energy_of_solution(problem: Problem, t: Fraction) -> Decimal:
+    """E(y(t)) at one of the reference's times: that of the start where the solution conserves it."""
+    state = problem.reference.states[problem.reference.times.index(t)] if problem.energy_changes else problem.start
+    return decimal_energy(problem, map(Fraction, state))
+
+
+def largest_energy_error(problem: Problem, way: Way) -> float:
+    """E(y) - E(y(t)) where it is largest in size on the way; in floats, unless the solution conserves E."""
+    dense = problem.reference.dense
+    if not problem.energy_changes or dense is None:
+        return largest_energy_change(problem, way.states)
+    off = _float_energies(problem, way.states) - _float_energies(problem, dense.at(way.times))
+    if not np.isfinite(off).all():
+        raise ArithmeticError("the energy has no value at a state reached")
+    return float(off[np.abs(off).argmax()])
+
+
+def _float_energies(problem: Problem, states: NDArray[np.float64]) -> NDArray[np.float64]:
+    energy = VectorField((problem.energy or "0",) * len(problem.start), problem.field.parameters)
+    with np.errstate(all="ignore"):
+        found: NDArray[np.float64] = np.zeros(len(states)) + field_rate(energy, functions_of(np))(0.0, states.T)[0]
     return found
 
 
@@ -104,11 +127,8 @@ def largest_energy_change(problem: Problem, states: NDArray[np.float64]) -> floa
 
     Raises ArithmeticError where the energy has no value.
     """
-    energy = VectorField((problem.energy or "0",) * len(problem.start), problem.field.parameters)
     before = decimal_energy(problem, problem.start)
-    with np.errstate(all="ignore"):
-        floats = np.zeros(len(states)) + field_rate(energy, functions_of(np))(0.0, states.T)[0]
-        nearly = np.argsort(np.abs(floats - float(before)))[-_CANDIDATES:]  # NaN is last
+    nearly = np.argsort(np.abs(_float_energies(problem, states) - float(before)))[-_CANDIDATES:]  # NaN is last
     return max((float(decimal_energy(problem, states[i]) - before) for i in nearly), key=abs)
 
 

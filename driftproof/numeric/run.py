@@ -167,6 +167,8 @@ _READ: dict[str, Callable[[_Finished], Any]] = {
     "evaluations": lambda run: run.evaluations,
     TRAJECTORY: lambda run: (times_of_steps(run.scene.h, run.scene.steps), np.array(run.path)),
 }
+# The solution conserves it.
+_READ |= {readouts.ENERGY_ERROR: _READ["energy_change"], readouts.LARGEST_ERROR: _READ[LARGEST_CHANGE]}
 
 
 def _largest(changes: FloatOrArray) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY, TRAJECTORY
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY, TRAJECTORY
 from driftproof.numeric.run import (
     Counter,
     NonFiniteReadout,
@@ -39,8 +39,8 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
+    from driftproof.numeric import reference_errors as off
     from driftproof.numeric.advance import State, advance, evaluations_of, float_start, float_step
-    from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits, largest_energy_change
     from driftproof.numeric.stability import STEPS_BETWEEN_CHECKS, observe
 
     method = scene.method(key)
@@ -53,21 +53,24 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         next(n for n, _ in ticks if n == done)
 
     apart = 1 if keep else STEPS_BETWEEN_CHECKS
-    seen = observe(run, start, float_step(scene.t, scene.steps), scene.steps, apart=apart, look=look)
+    h = float_step(scene.t, scene.steps)
+    seen = observe(run, start, h, scene.steps, apart=apart, look=look)
     if seen.failed_after is not None:
         if not all(map(isfinite, seen.state)):
             raise NonFiniteState(seen.failed_after, tuple(seen.state))
         raise RunEnded(f"the run ends at step {seen.failed_after}: {seen.remark}")
     deque(ticks, maxlen=0)  # a progress bar closes at its end
     digits = problem.reference.states[problem.reference.times.index(scene.t)]
-    energy = partial(decimal_energy, problem)
+    energy = partial(off.decimal_energy, problem)
     read: dict[str, Callable[[], Any]] = {
         "final_state": lambda: tuple(seen.state),
         "exact_state": lambda: tuple(map(float, digits)),
-        "state_error": lambda: distance_from_digits(seen.state, digits),
+        "state_error": lambda: off.distance_from_digits(seen.state, digits),
         "energy": lambda: float(energy(seen.state)),
         "energy_change": lambda: float(energy(seen.state) - energy(problem.start)),
-        LARGEST_CHANGE: lambda: largest_energy_change(problem, np.array([[*y] for y in path])),
+        ENERGY_ERROR: lambda: float(energy(seen.state) - off.energy_of_solution(problem, scene.t)),
+        LARGEST_ERROR: lambda: off.largest_energy_error(problem, off.Way.of((n * h for n in range(len(path))), path)),
+        LARGEST_CHANGE: lambda: off.largest_energy_change(problem, np.array([[*y] for y in path])),
         "steps": lambda: scene.steps,
         "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),

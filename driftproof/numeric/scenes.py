@@ -18,12 +18,13 @@ from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
 _OF_THE_END = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
-READOUTS = (*_OF_THE_END, "steps", "evaluations", *ON_THE_WAY)
+_OF_PRESETS = (*_OF_THE_END, "steps", "evaluations")
+READOUTS = (*_OF_PRESETS, ENERGY_ERROR, *ON_THE_WAY)
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
 # Panels about all methods of a scene: error against evaluations, and what is proved about their powers at this h.
@@ -89,8 +90,7 @@ class Scene:
         """Raise SceneError for what only the oscillator has, and for a time without a reference solution."""
         if self.start != _LESSON_START:
             raise SceneError(f"scene {self.name!r}: the problem fixes the start; remove `start`")
-        energies = () if problem.energy else ("energy", "energy_change", LARGEST_CHANGE)
-        there_are = [name for name in READOUTS if name not in ("phase_error", *energies)]
+        there_are = [name for name in READOUTS if name != "phase_error" and (problem.energy or "energy" not in name)]
         for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
             if absent := [name for name in names if name not in allowed]:
                 refusal = f"the problem {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
@@ -117,6 +117,13 @@ class Scene:
         return compared if self.selected in compared else (self.selected, *compared)
 
 
+def energies_of(problem: Problem) -> tuple[str, ...]:
+    """The readouts that tell how well a run keeps the energy: its changes or, if f changes it, its errors."""
+    if not problem.energy:
+        return ()
+    return (ENERGY_ERROR, LARGEST_ERROR) if problem.energy_changes else ("energy_change", LARGEST_CHANGE)
+
+
 def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str, ...]) -> None:
     for name in names:
         if name not in known:
@@ -125,7 +132,7 @@ def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str
 
 def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
     methods, shown = ("forward_euler", "symplectic_euler", "rk4"), (TABLE, *FIGURES, *panels)
-    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[: -len(ON_THE_WAY)], panels=shown)
+    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=_OF_PRESETS, panels=shown)
 
 
 PRESETS: dict[str, Scene] = {

@@ -244,21 +244,22 @@ def _change(is_bounded: Callable[[float], bool], low: float, high: float) -> tup
 
 
 def fewest_steps(is_good: Callable[[int], bool], most: int) -> int | None:
-    """An N such that N, 2N, 4N, ... up to `most` are good, and those of N - 1 are not; 1 if all are, None if none is.
+    """An N such that N, 2N, 4N, ... up to `most` are good, and those of N - 1 are not; 1 if all are.
 
-    Halving from `most`, a power of 2, down avoids an N that is good by luck below others that are not. Bisection
-    between the last good power of 2 and the next lower one then finds N.
+    None if `most`, a power of 2, is not good. Halving from it down avoids an N that is good by luck below others that
+    are not. Bisection between the last good power of 2 and the next lower one then finds N.
     """
 
     @cache
     def lasts(steps: int) -> bool:
         return is_good(steps) and (2 * steps > most or lasts(2 * steps))
 
-    good = most
+    if not lasts(good := most):
+        return None
     while good > 1 and lasts(good // 2):
         good //= 2
     bad = good // 2
     while good - bad > 1:
         middle = (bad + good) // 2
         bad, good = (bad, middle) if lasts(middle) else (middle, good)
-    return good if lasts(good) else None
+    return good

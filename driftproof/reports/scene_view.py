@@ -9,15 +9,15 @@ from typing import Any
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import LARGEST_CHANGE
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene
-from driftproof.numeric.scenes import TABLE, Scene
+from driftproof.numeric.scenes import TABLE, Scene, energies_of
 from driftproof.numeric.sweep import strings
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table, with_digits
 
-_COMPARED = {"state_error": "State error", "energy_change": "Energy change", "evaluations": "Calls"}
-COMPARED_READOUTS = tuple(_COMPARED)
+# Those of an oscillator's scene, as in the lesson; of a problem, with the largest on the way.
+COMPARED_READOUTS = ("state_error", "energy_change", "evaluations")
 # Digits of the components of a problem's state.
 _DIGITS = 6
 UNDEFINED = "undefined at the origin"
@@ -35,10 +35,15 @@ def show_scene(scene: Scene, counter: Counter = range) -> dict[str, Any]:
     if scene.readouts:
         shown["readouts"] = runs_of(scene, scene.readouts, [scene.selected], counter)[scene.selected]
     if TABLE in scene.panels:
-        left_out = ("energy_change",) if scene.problem and not scene.problem.energy else ()
-        names = [name for name in COMPARED_READOUTS if name not in left_out]
-        shown["table"] = runs_of(scene, names, scene.methods, counter)
+        shown["table"] = runs_of(scene, _compared(scene), scene.methods, counter)
     return shown
+
+
+def _compared(scene: Scene) -> tuple[str, ...]:
+    """The readouts in the table of methods."""
+    if scene.problem is None:
+        return COMPARED_READOUTS
+    return ("state_error", *energies_of(scene.problem), "evaluations")
 
 
 def runs_of(
@@ -72,8 +77,9 @@ def scene_text(scene: Scene, shown: dict[str, Any]) -> str:
         parts.append(readouts if isinstance(readouts, str) else table(readout_rows(readouts, scene.problem)))
     if "table" in shown:
         rows, remarks = comparison_rows(scene, shown["table"])
-        compared = "\n\n".join([table(rows, right=(1, 2, 3)), *remarks])
+        compared = "\n\n".join([table(rows, right=range(1, len(rows[0]))), *remarks])
         parts.append(f"All methods at h = {scene.h}, measured at t = {scene.t}\n\n{compared}")
+    parts += [scene.problem.energy_note] if scene.problem and scene.problem.energy_note else []
     parts += [f"First values of {scene.method(key).title}: steps of {start}" for key, start in starts_of(scene).items()]
     return "\n\n".join(parts)
 
@@ -110,6 +116,8 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
     "energy": ("Final energy", _fixed(6)),
     "energy_change": ("Energy change", _fixed(6)),
     LARGEST_CHANGE: ("Largest energy change", _fixed(6)),
+    ENERGY_ERROR: ("Energy error", _fixed(6)),
+    LARGEST_ERROR: ("Largest energy error", _fixed(6)),
     "phase_error": ("Wrapped phase error (degrees)", _fixed(3)),
     "steps": ("Steps", str),
     "evaluations": ("Acceleration evaluations", str),
@@ -122,7 +130,7 @@ _components = _pair(lambda x: with_digits(x, _DIGITS))
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
-    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change", LARGEST_CHANGE)},
+    **{name: (label, short) for name, (label, _) in _SHOWN.items() if name == "state_error" or "energy" in name},
     "evaluations": ("Evaluations of f", str),
 }
 
@@ -142,9 +150,8 @@ def comparison_rows(scene: Scene, rows: dict[str, Readouts | str]) -> tuple[list
 
     A run that failed has its message in the second cell, or below the table if it is long.
     """
-    given = [readouts for readouts in rows.values() if not isinstance(readouts, str)]
-    names = [name for name in _COMPARED if not given or name in given[0]]
-    lines, remarks = [["Method", *(_COMPARED[name] for name in names)]], list[str]()
+    names, remarks = _compared(scene), list[str]()
+    lines = [["Method", *("Calls" if name == "evaluations" else _SHOWN[name][0] for name in names)]]
     for key, readouts in rows.items():
         if isinstance(readouts, str):
             is_long, title = len(readouts) > _LONGEST_CELL, scene.method(key).title

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from math import ceil, inf, isfinite
 from typing import TypeVar
 
@@ -38,6 +39,8 @@ from driftproof.numeric.stability import (
     observe,
     stays_bounded,
 )
+from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
+from driftproof.numeric.work_precision.integrators import has_numba
 from driftproof.reports.progress import with_progress
 from driftproof.reports.stability_tables import DIGITS, FOLLOWS, STABLE_FROM, limit_text, problems_text, stability_text
 from driftproof.reports.user_problem import GivenProblem, problem_given
@@ -68,8 +71,10 @@ _Rounded = TypeVar("_Rounded")
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 # The most steps of a run in the search for the fewest, of an explicit and of an implicit method, whose steps take a
-# thousand times as long; and the most steps of a run that is shown.
+# thousand times as long; of compiled runs, which go on where the last two of those do not both follow; and of a run
+# that is shown. Chosen: a second or so each, and ten to compile an implicit method.
 _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
+_MOST_COMPILED = {True: MOST, False: MOST_FOR_GOAL}
 # The numbers of steps that are shown if no h is given.
 _SHOWN = (10, 100, 1000)
 # Far more than the 53 bits of h: a factor whose ball contains 1 even with these is printed as 1.
@@ -228,6 +233,7 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
     start, extent = float_start(problem), largest_state_size(problem)
     least = runs.method.steps if isinstance(runs, MultistepRun) else 1  # fewer are those of the start
 
+    @cache
     def follows(steps: int) -> bool:
         if steps < least:
             return False
@@ -235,6 +241,10 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
         return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
     most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
+    if has_numba() and not (follows(most // 2) and follows(most)):  # one alone may be luck
+        runs, longest = advance(method, problem, compiled=True), _MOST_COMPILED[method.explicit]
+        while most < longest and not (follows(most // 2) and follows(most)):
+            most *= 2
     return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
 
 

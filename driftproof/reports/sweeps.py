@@ -14,9 +14,9 @@ from typing import Any
 from driftproof.methods.given_methods import GivenMethods, names_of
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import LARGEST_CHANGE
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts
-from driftproof.numeric.scenes import PRESETS, Scene
+from driftproof.numeric.scenes import PRESETS, Scene, energies_of
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
@@ -91,7 +91,7 @@ def _scene_of(
     (keys, own), steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
-    readouts = ("state_error", *(("energy_change", LARGEST_CHANGE) if problem.energy else ()), "evaluations")
+    readouts = ("state_error", *energies_of(problem), "evaluations")
     return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
 
 
@@ -120,7 +120,8 @@ def sweep_text(scene: Scene, found: list[SweepAnswer]) -> str:
     for values, answer in found:
         cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
         rows.append([*map(_shown, values.values()), *cells])
-    return f"{scene.name}: {counted(len(found), 'point')}\n\n{table(rows)}"
+    note = scene.problem.energy_note if scene.problem and {ENERGY_ERROR, LARGEST_ERROR} & {*names} else ""
+    return "\n\n".join(filter(None, [f"{scene.name}: {counted(len(found), 'point')}", table(rows), note]))
 
 
 def _shown(value: Any) -> str:

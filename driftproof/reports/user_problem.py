@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from base64 import b64decode, b64encode
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
+from time import perf_counter
 from typing import Any, TypeAlias
 
+import flint
 import numpy as np
 from flint import arb, ctx, fmpq_mat
 
+import driftproof
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.evaluations import TWO_RUNS, Refused
 from driftproof.enclosure.invariants import enclosed_invariant
@@ -30,6 +36,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, DenseSolution, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors
+from driftproof.support import kept
 from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, read_toml
@@ -52,6 +59,10 @@ _LONGEST_TITLE = 200
 # A double 9.81 in f and the exact one in an energy make it change by some u of its terms: less than this many u is said
 # to be conserved.
 CONSTANTS_OFF = 1e6
+# An enclosure that took so many seconds is kept for the next command. Chosen: reading it takes some hundredths.
+LONG = 1.0
+# Of the largest component: doubles of the solution are nearer to its digits.
+_NEAR = 1e-9
 KINKED = "f has kinks or jumps"
 # Times of kinks that are shown.
 _MOST_TIMES = 5
@@ -99,17 +110,16 @@ def _problem(table: TomlTable, name: str) -> Problem:
     if end <= 0:
         raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
-    reference, second_order = enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]), False
+    reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
     with suppress(MethodError):
         second_order = bool(field.second_order())
-    found = Problem(name, title, field, start, reference, name, energy, second_order, matrix=matrix_in(field))
-    if energy is not None:
-        _require_conserved(found, energy)
-    return replace(found, unknowns=unknowns)
+    found = Problem(name, title, field, start, reference, name, energy, second_order=second_order, unknowns=unknowns)
+    changes = "" if energy is None else _change_of(found, energy)
+    return replace(found, energy_changes=changes, matrix=matrix_in(field))
 
 
-def _require_conserved(problem: Problem, energy: str) -> None:
-    """Raise ValueError if the solution changes the energy by more than ten digits of doubles in f or in it explain."""
+def _change_of(problem: Problem, energy: str) -> str:
+    """The change of the energy on the solution, and its time; "" if ten digits of doubles in f or in it explain it."""
     function, least = field_function(problem.field, (energy,)), 0.0
     with ctx.workprec(BITS_AT_FIRST), suppress(ArithmeticError, Refused):  # of an energy without a value somewhere
         least = CONSTANTS_OFF * floors(problem)[ENERGY]
@@ -118,8 +128,52 @@ def _require_conserved(problem: Problem, energy: str) -> None:
             balls = [arb(f"{text} +/- 1e{Decimal(text).as_tuple().exponent}") for text in digits]
             change = enclosed_invariant(lambda y: function(y[0] * 0, y), balls, "energy") - first
             if change.abs_lower() > least:
-                said = f"the solution has changed it by {decimal(change)} at t = {t}"
-                raise ValueError(f"energy is not conserved by f: {said}; correct it, or leave it out")
+                return f"{decimal(change)} at t = {t}"
+    return ""
+
+
+def _reference(field: VectorField, start: Sequence[Fraction], times: tuple[Fraction, ...]) -> Reference:
+    """The `enclosed_reference`, from this user's cache if the same one has been enclosed by the same program."""
+    about = {"field": field, "start": start, "times": times, "flint": flint.__version__, "program": _program()}
+    question = {name: repr(value) for name, value in about.items()}
+    with suppress(ValueError, KeyError, TypeError):
+        if (held := kept.cached(question)) is not None:
+            return _from_cache(times, held)
+    began = perf_counter()
+    found = enclosed_reference(field, start, times)
+    if perf_counter() - began > LONG and (dense := found.dense) is not None:
+        answer = {name: getattr(found, name) for name in ("states", "evidence", "source")}
+        answer |= {"changes": [*map(str, found.changes)], "shape": dense.coefficients.shape}
+        kept.cache(question, answer | {name: _as_text(array) for name, array in vars(dense).items() if name in _DENSE})
+    return found
+
+
+_DENSE = ("begins", "lengths", "low", "coefficients")
+
+
+@cache
+def _program() -> str:
+    """A hash of all that an enclosure is computed by."""
+    home, found = Path(driftproof.__file__).parent, sha256()
+    for folder in ("enclosure", "methods", "reports", "symbolic/algebra"):
+        for path in sorted(home.joinpath(folder).glob("*.py")):
+            found.update(path.read_bytes())
+    return f"{driftproof.__version__}, {found.hexdigest()}"
+
+
+def _as_text(array: np.ndarray[Any, Any]) -> str:
+    return b64encode(array.astype("<f8").tobytes()).decode()
+
+
+def _from_cache(times: tuple[Fraction, ...], held: Any) -> Reference:
+    """The reference that was kept. Raises ValueError unless its doubles and its digits are of one solution."""
+    begins, lengths, low, flat = (np.frombuffer(b64decode(held[name]), "<f8") for name in _DENSE)
+    dense = DenseSolution(begins, lengths, low, flat.reshape(held["shape"]))
+    states = tuple(map(tuple, held["states"]))
+    digits = np.array(states, float)
+    if not np.abs(dense.at(np.array(times, float)) - digits).max() <= _NEAR * np.abs(digits).max():
+        raise ValueError("its doubles are not those of its digits")
+    return Reference(times, states, held["evidence"], held["source"], dense, tuple(map(Fraction, held["changes"])))
 
 
 @working("a problem of your own")

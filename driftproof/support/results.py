@@ -70,7 +70,7 @@ def _block(lines: Sequence[str]) -> str:
     blank = "".join(" " if all(line[i : i + 1] in ("", " ") for line in lines) else "x" for i in columns)
     spans = [match.span() for match in re.finditer(r"x+(?: x+)*", blank)]  # two blanks separate columns
     if len(spans) < 2:
-        return f'<pre style="white-space:pre-wrap;font:1em monospace;margin:1em 0">{escape(chr(10).join(lines))}</pre>'
+        return f'<p style="white-space:pre-wrap">{escape(chr(10).join(lines))}</p>'
     left = {a for a, b in spans if all(line[a] != " " for line in lines if line[a:b].strip())}  # notebooks align right
     cell = {a: '<td style="text-align: left">' if a in left else "<td>" for a, _ in spans}
     rows = ("".join(f"{cell[a]}{escape(line[a:b].strip())}</td>" for a, b in spans) for line in lines)

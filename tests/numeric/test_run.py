@@ -40,7 +40,10 @@ def scene(**changed: Any) -> Scene:
 
 SPIED = {
     "exact_state": {"exact_state"}, "state_error": {"exact_state", "state_error"}, "energy": {"energy"},
-    "energy_change": {"float_energy_change", "energy"}, "largest_energy_change": {"float_energy_change", "energy"},
+    **{
+        f"{which}energy_{of}": {"float_energy_change", "energy"}
+        for which in ("", "largest_") for of in ("change", "error")
+    },
     "phase_error": {"exact_state", "phase_error"},
 }  # fmt: skip
 

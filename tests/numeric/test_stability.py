@@ -135,7 +135,7 @@ def test_growth_that_ends_before_the_next_power_of_two_is_not_jumped_over() -> N
 def test_fewest_steps_are_so_many_that_all_their_doubles_are_good() -> None:
     assert fewest_steps(lambda n: n >= 777 or n == 8, 1024) == 777
     assert fewest_steps(lambda n: True, 8) == 1
-    assert fewest_steps(lambda n: n >= 777 or n == 8, 512) is None
+    assert fewest_steps(lambda n: n >= 777 or n in (8, 479, 480), 512) is None  # bisection would meet 480, and 479
     # as on a problem with jumps: errors of rk4 with 52 steps, twice as many, ..., where 104 were too few
     bad = {104, 160, 332}
     found = fewest_steps(lambda n: n >= 33 and n not in bad, 1024)

@@ -14,14 +14,14 @@ def test_an_answer_prints_and_has_its_entries():
         str(Printable())
 
 
-# Notebooks set it in the letters of their text.
-PRE = '<pre style="white-space:pre-wrap;font:1em monospace;margin:1em 0">'
+# Notebooks set it in the letters of single lines.
+PRE = '<p style="white-space:pre-wrap">'
 HTML = {
     "one <line>": "<p>one &lt;line&gt;</p>",
-    "a  1\nbc 2": f"{PRE}a  1\nbc 2</pre>",
+    "a  1\nbc 2": f"{PRE}a  1\nbc 2</p>",
     "a   1\nbc  2": "<table><tr><td*>a</td><td*>1</td></tr><tr><td*>bc</td><td*>2</td></tr></table>",
     "a      1\nbc  200": "<table><tr><td*>a</td><td>1</td></tr><tr><td*>bc</td><td>200</td></tr></table>",
-    "Head\n  one two\n  three": f"<p><b>Head</b></p>{PRE}one two\nthree</pre>",
+    "Head\n  one two\n  three": f"<p><b>Head</b></p>{PRE}one two\nthree</p>",
     "H\n  a  1\n     2": "<p><b>H</b></p><table><tr><td*>a</td><td*>1</td></tr><tr><td*></td><td*>2</td></tr></table>",
     "a\n\nb": "<p>a</p><p>b</p>",
     "": "",

@@ -102,8 +102,9 @@ def _digits() -> Any:
 class Problem:
     """y' = f(t, y), y(0) = start, up to the last time of the reference.
 
-    `energy` is an expression in y0, y1, ... that the exact solution conserves, or None. `second_order`: the first half
-    of y are positions, and their rates are exactly the second half, so that splittings and Nyström methods apply.
+    `energy` is an expression in y0, y1, ... or None. The exact solution conserves it, or `energy_changes` says by how
+    much it has changed it, and at which time. `second_order`: the first half of y are positions, and their rates are
+    exactly the second half, so that splittings and Nyström methods apply.
     `matrix` is A if f(t, y) = A(y - c), in which case stability is proved, and else None. `expected` maps a kind of
     method ("explicit", "a_stable", ...) to a sentence on how it should behave. `unknowns` are names for y0, y1, ...
     """
@@ -115,6 +116,7 @@ class Problem:
     reference: Reference
     source: str
     energy: str | None = None
+    energy_changes: str = ""
     second_order: bool = False
     stiff: bool = False
     matrix: tuple[tuple[Fraction, ...], ...] | None = None
@@ -126,6 +128,12 @@ class Problem:
         components = len(self.field.rates)
         if any(len(state) != components for state in (self.start, *self.reference.states)):
             raise ValueError(f"{self.key}: {components} rates need a start and a reference of {components} components")
+
+    @property
+    def energy_note(self) -> str:
+        """What the errors of an energy are that the solution does not conserve; else ""."""
+        said = f"f does not conserve the energy (the solution has changed it by {self.energy_changes})"
+        return f"{said}: errors are differences from that of the solution" if self.energy_changes else ""
 
     @property
     def t(self) -> Fraction:

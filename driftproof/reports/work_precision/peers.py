@@ -146,26 +146,6 @@ def _rate_of_doubles(field: VectorField) -> Rate:
     return rate
 
 
-class _TorchDiffEq(Solver):
-    """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
-
-    def __init__(self, problem: Problem, solver: str) -> None:
-        self.torch, self.odeint = import_module("torch"), import_module("torchdiffeq").odeint
-        self.rate = field_rate(problem.field, functions_of(self.torch))
-        self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
-        self.solver = solver
-
-    def _solved(self, rate: Rate, tolerance: float, t: float) -> State:
-        stacked = lambda at, y: self.torch.stack(rate(at, y))
-        times = self.torch.tensor([0.0, t], dtype=self.torch.float64)
-        try:
-            with self.torch.no_grad():
-                found = self.odeint(stacked, self.start, times, rtol=tolerance, atol=tolerance, method=self.solver)
-        except AssertionError as error:  # raised when its step has become too small
-            raise ArithmeticError(str(error)) from None
-        return tuple(found[-1].tolist())
-
-
 class _Heyoka(Solver):
     """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
 
@@ -263,6 +243,5 @@ PEERS: Mapping[str, Peer] = {
         Peer("scipy", ("DOP853", "RK45", "Radau"), PYTHON, _Scipy),
         Peer("diffrax", ("Dopri8", "Tsit5"), COMPILED, _Diffrax),
         Peer("heyoka", ("Taylor",), COMPILED, _Heyoka),
-        Peer("torchdiffeq", ("dopri8", "dopri5"), PYTHON, _TorchDiffEq),
     )
 }

@@ -217,6 +217,7 @@ def _head(study: Study) -> str:
         f"Half a unit of its last digits: {digits:.1e}\n"
         f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
         + ("" if problem.field.smooth else f"\n{kinks_of(problem)}")
+        + (f"\n{problem.energy_note}" if problem.energy_note else "")
     )
 
 
@@ -245,11 +246,14 @@ def dominated_rows(by_cost: _Costs) -> list[list[str]]:
 
 
 def goal_rows(measured: Measured, costs: Sequence[str], goal: float) -> list[list[str]]:
-    """The cheapest `lasting` point of each method for the goal, in each cost; nothing is interpolated."""
+    """The cheapest `lasting` point of each method for the goal, in each cost; nothing is interpolated.
+
+    A time of another run than that with the fewest evaluations has the setting of its run.
+    """
     met = {key: {point.setting for point in lasting(c.points, goal)} for key, c in measured.curves.items()}
     spent = {cost: {key: measured.costs(c, cost) for key, c in measured.curves.items()} for cost in costs}
     found = {
-        cost: {key: min((x for s, x in of[key].items() if s in met[key]), default=inf) for key in met}
+        cost: {key: min(((x, s) for s, x in of[key].items() if s in met[key]), default=(inf, "")) for key in met}
         for cost, of in spent.items()
     }
     rows = [["method", *(_LABELS[cost] for cost in costs)]]
@@ -258,16 +262,20 @@ def goal_rows(measured: Measured, costs: Sequence[str], goal: float) -> list[lis
         applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in costs}
         if not curve.refused:
             missed = "over the limit" if met[key] else _missed(curve, goal)
-            cells = (_goal_cell(cost, key, found[cost], missed) if applies[cost] else "-" for cost in costs)
+            fewest = found[EVALUATIONS][key][1] if EVALUATIONS in found else ""
+            cells = (_goal_cell(cost, key, found[cost], missed, fewest) if applies[cost] else "-" for cost in costs)
             rows.append([key, *cells])
     return rows
 
 
-def _goal_cell(cost: str, key: str, found: Mapping[str, float], missed: str) -> str:
-    if found[key] == inf:
+def _goal_cell(cost: str, key: str, found: Mapping[str, tuple[float, str]], missed: str, fewest: str) -> str:
+    spent, setting = found[key]
+    if spent == inf:
         return missed
-    shown = f"{found[key]:.0f}" if cost == EVALUATIONS else seconds_text(found[key])
-    return shown + (" *" if found[key] == min(found.values()) else "")
+    shown = f"{spent:.0f}" if cost == EVALUATIONS else seconds_text(spent)
+    least = " *" if spent == min(found.values())[0] else ""
+    other = f" ({'N =' if setting.isdigit() else 'tol'} {setting})" if fewest not in ("", setting) else ""
+    return f"{shown}{least}{other}"
 
 
 def _missed(curve: Curve, goal: float) -> str:

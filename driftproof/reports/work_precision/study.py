@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
@@ -25,7 +23,7 @@ from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
-from driftproof.support.files import atomic_write
+from driftproof.support.kept import NotKept, keep, kept
 from driftproof.support.progress import stage
 
 # The evaluations that a run for errors, made once, may take per second of the time limit: ten times as many as compiled
@@ -113,33 +111,15 @@ class ResultStore:
         self.path = folder / "points.json" if folder else None
         self.question, self.measured = question, Measured()
         if self.path is not None and self.path.exists():
-            self._take_over(self.path, say)
+            try:
+                self.measured = _from_json(kept(self.path, question))
+            except NotKept as reason:
+                say(f"{self.path} {reason}; everything is measured again")
 
     def save(self) -> None:
         """Write everything measured so far."""
         if self.path is not None:
-            content = {"question": self.question, **asdict(self.measured)}
-            content["checksum"] = _checksum(content)
-            with atomic_write(self.path) as draft:
-                Path(draft).write_text(json.dumps(content, indent=1, sort_keys=True), encoding="utf-8")
-
-    def _take_over(self, path: Path, say: Say) -> None:
-        try:
-            held = json.loads(path.read_text(encoding="utf-8"))
-            different = [key for key in self.question if held["question"].get(key) != self.question[key]]
-            if not different:
-                if held.pop("checksum") != _checksum(held):
-                    raise ValueError("the checksum is wrong")
-                self.measured = _from_json(held)
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            say(f"{path} cannot be read; everything is measured again")
-        else:
-            if different:
-                say(f"{path} is from another study ({', '.join(different)} differ); everything is measured again")
-
-
-def _checksum(content: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+            keep(self.path, self.question, asdict(self.measured))
 
 
 def _from_json(held: dict[str, Any]) -> Measured:

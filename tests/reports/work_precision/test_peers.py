@@ -117,13 +117,6 @@ def solve(rate, y, span, tolerance):
     return solved[-1]
 
 
-def odeint(rate, y, times, *, rtol, atol, method):
-    found = solve(rate, y, times, max(rtol, atol))
-    if method not in PEERS["torchdiffeq"].solvers or not found.success:
-        raise AssertionError("underflow in dt")
-    return found.y.T
-
-
 class Taylor:
     """heyoka's integrator, which goes on from where it is."""
 
@@ -148,12 +141,9 @@ def diffeqsolve(term, solver, t0, t1, dt0, y0, **settings):
 
 
 TIME, double = sympy.Symbol("t"), []
-CALLED = (*FUNCTIONS, "floor", "where")
-of_numpy, of_sympy = ({name: getattr(of, name, None) for name in CALLED} for of in (np, sympy))
+of_sympy = {name: getattr(sympy, name, None) for name in FUNCTIONS}
 # What we call of packages that are not installed here.
 FAKES = {
-    "torch": SimpleNamespace(tensor=np.array, float64=float, stack=np.array, no_grad=nullcontext, **of_numpy),
-    "torchdiffeq": SimpleNamespace(odeint=odeint),
     "heyoka": SimpleNamespace(
         expression=sympy.Symbol, time=TIME, taylor_adaptive=Taylor,
         taylor_outcome=SimpleNamespace(time_limit="time_limit"), **{name: of_sympy[name] for name in SMOOTH_FUNCTIONS},
@@ -168,7 +158,6 @@ FAKES = {
     ),
 }  # fmt: skip
 REFUSED = {
-    "torchdiffeq": "underflow in dt",
     "heyoka": "stopped within 100000 steps: failed",
     "diffrax": "the end is not reached within 100000 steps",
 }

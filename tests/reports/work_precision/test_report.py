@@ -140,6 +140,9 @@ def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_
         "16 *",
         "not reached by N = 16: 1.0e-5",
     ]
+    timings = {"a | python | 16": Timing(1, [1e-3]), "b | python | 8": Timing(1, [2e-3])}
+    of_others = report.goal_rows(replace(measured, timings=timings), ["evaluations", "python"], 1e-2)[1:]
+    assert of_others == [["a", "8 *", "1.00 ms * (N = 16)"], ["b", "8 *", "2.00 ms"], ["c", "8 *", "-"]]
 
 
 def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last():

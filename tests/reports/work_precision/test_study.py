@@ -15,6 +15,7 @@ from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.reports.work_precision import study as work_precision
 from driftproof.reports.work_precision.report import errors_json, study_text, write_study
 from driftproof.reports.work_precision.study import measure, state_remark
+from driftproof.support import kept
 from tests.reports.studies import contents, study, unheard
 
 
@@ -77,7 +78,7 @@ def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path, monkeypatch):
     measure(asked, tmp_path, unheard)
     before = contents(tmp_path)
     store = work_precision.ResultStore(tmp_path, asked.question(), unheard)
-    monkeypatch.setattr(work_precision.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(kept.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
         store.save()
     assert contents(tmp_path) == before
