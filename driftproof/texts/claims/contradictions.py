@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from itertools import product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
@@ -42,8 +42,9 @@ LINEAR = re.compile(r"(?<!\w)(?P<name>[^\W\d]\w*)'(?P<second>'?)(?:\(t\))? ?= ?-
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
 _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
-# What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
-_ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
+# What ends a sentence. A line that ends in a word, such as RK4, or a comma goes on in the next one, unless an item or a
+# row begins.
+_ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![^\W\d_][0-9])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
 # What is no name of a method: the midpoint of a step, and a fraction.
@@ -71,6 +72,8 @@ _NO_SUBJECT = re.compile(
 _LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
+# Sentences and questions whose names of methods are kept: a draft asks for those of each of them hundreds of times.
+_MOST_KEPT = 2**13
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
@@ -192,11 +195,10 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
 def methods_named(text: str) -> set[str]:
     """The keys of all methods named in the lower-case text by key, title or another name.
 
-    An ambiguous name, such as Verlet, stands for those of its methods that are named in full as well, if there are any.
+    An ambiguous name, such as Verlet, stands for those of its methods that a narrower name means, if there are any.
     """
     found = [keys for _, keys in _named(text)]
-    sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
-    return sure.union(*(keys & sure or keys for keys in found))
+    return set[str]().union(*(keys for keys in found if not any(narrower < keys for narrower in found)))
 
 
 def methods_in_full(text: str) -> set[str]:
@@ -300,6 +302,7 @@ def begins_with_method(text: str) -> bool:
     return spoken_names().match(flat(text)) is not None
 
 
+@lru_cache(maxsize=_MOST_KEPT)
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
     spoken = flat(text)

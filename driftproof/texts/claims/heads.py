@@ -22,7 +22,7 @@ QUANTITY_WORDS = {
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratios?|times as|divides",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?|"
+    "error": r"errors?|distances?(?: (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?)?|"
     r"e_n|"
     r"off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",

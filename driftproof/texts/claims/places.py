@@ -161,14 +161,12 @@ class Place:
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
-        for x, given in self.named_of(question).items():
-            if given and self.settings.get(x) not in given:
-                return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
-        if self.quantity:
-            return quantity == self.quantity
-        return quantity in ("state", "error") or (quantity == "exact" and not self.own)
+        alike = (self.quantity,) if self.quantity else ("state", "error", *["exact"] * (not self.own))
+        if quantity not in alike:
+            return False
+        return all(self.settings.get(x) in given for x, given in self.named_of(question).items() if given)
 
 
 @cache
