@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, lru_cache
 from itertools import product
@@ -67,6 +67,12 @@ _JOINED = r"(?:, ?(?:and |or |but )?| (?:and|or|/) )"
 _SETTINGS = re.compile(rf"\b\w+ ?= ?{LISTED_NUMBER}")
 _NO_SUBJECT = re.compile(
     r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
+)
+# Behind the ratio of the errors of two methods, up to the second of them.
+_TIMES_AS = re.compile(
+    r" times (?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
+    r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
+    r"[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? "
 )
 # Characters between a method and the number that it has.
 _LONGEST_GAP = 60
@@ -260,6 +266,19 @@ def methods_said_of(before: str, after: str) -> set[str]:
     return listed[at][1] if len(listed) == at + 1 + more else set()
 
 
+def methods_compared(before: str, after: str) -> tuple[str, ...]:
+    """The keys of the methods with the larger and the smaller error in "A is 20 times as accurate as B"; () for none.
+
+    >>> methods_compared("the error of ab3 is ", " times smaller than that of ab2.")
+    ('adams_bashforth2', 'adams_bashforth3')
+    """
+    found, first = _TIMES_AS.match(flat(after)), last_methods_named(before)
+    other = spoken_names().match(flat(after), found.end()) if found else None
+    if not (found and other) or len(first) != 1 or len(second := _names()[other[0]]) != 1 or first == second:
+        return ()
+    return (*second, *first) if found["closer"] else (*first, *second)
+
+
 def names_in_order(text: str) -> list[str]:
     """The first name of each of the methods that the lower-case text names, in their order."""
     found = dict[frozenset[str], str]()
@@ -281,14 +300,18 @@ def without_starters(text: str) -> str:
     return STARTING.sub(without, text)
 
 
-def starters_said(text: str, surely: bool = False) -> list[str]:
-    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution.
-
-    Only those that it `surely` says so of, if asked: as a method of its own RK4 may start at 1, too.
-    """
-    said = " ".join(clause for clause in STARTING.findall(text) if not surely or _STARTED.search(clause))
+def starters_said(text: str) -> list[str]:
+    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
+    said = " ".join(STARTING.findall(text))
     named = methods_named(said)
     return [*(key for key in METHODS if key in named), *["exact"] * bool(_FROM_SOLUTION.search(said))]
+
+
+def starts_said(text: str) -> Iterator[tuple[int, int]]:
+    """Where the lower-case text surely says, without a number, what starts a multistep method: RK4 may start at 1."""
+    for clause in STARTING.finditer(text):
+        if _STARTED.search(clause[0]) and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
+            yield clause.start(), clause.start() + len(clause[0].rstrip(" ,;:\n"))
 
 
 def lowered(text: str, questions: Iterable[str]) -> str:

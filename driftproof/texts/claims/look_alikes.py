@@ -13,6 +13,7 @@ from itertools import takewhile
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
+from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import (
@@ -36,7 +37,7 @@ from driftproof.texts.claims.places import (
 from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
 from driftproof.texts.claims.stated_facts import fact_of, fact_said, is_bound, limit_of_steps, linear_equations
-from driftproof.texts.readers.number_words import whole_numbers_in
+from driftproof.texts.readers.number_words import trend_said, whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
@@ -120,10 +121,11 @@ class LookAlikes(NamedPlaces):
         wholes = [each for each in stated if not (place.unknown or asked_quantity(each.question)[1])]
         kinds = {without_sizes(each.question) for each in stated}
         unsaid = self._is_of_unsaid_runs(number)
-        signed = any(x.text[0] == "-" for x in self._company[self.tables.column_place(number)] if head)
-        of_two = len(digits_of(number.text)) > 1 and digits < 3
-        of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
-        joint = self.only_meant(number) if of_two else None
+        signed, few = (
+            self.is_signed(number),
+            digits < 3 and len(digits_of(number.text)) > (place.settings.get("t") != 0),
+        )
+        joint = self.only_meant(number) if few and (self.agrees_jointly(number) or self.says_all(number)) else None
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
         alike = {each.question for each in self.values.written_like(number)}
         exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
@@ -136,6 +138,7 @@ class LookAlikes(NamedPlaces):
             denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
             denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
             denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
+            denied |= "abs(" in known.question and self._changes_otherwise(known, number)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
@@ -236,6 +239,13 @@ class LookAlikes(NamedPlaces):
             if any(one.strong and " : error" in one.question for one in first):
                 return asked_quantity(first[0].question)[1] != unknown
         return unknown != ""
+
+    def _changes_otherwise(self, known: KnownValue, number: TextNumber) -> bool:
+        """True for the size of a change that went up where the sentence says that it went down, or down for up."""
+        said = trend_said(sentence_around(self._lower, number.start, number.end)[0])
+        signed = re.sub(r"abs\((.*?)\)(?=, 1\)|\Z)", r"\1", known.question)
+        change = next((each.answer.exact for each in self.values.known if each.question == signed), None)
+        return bool(said) and change is not None and certified_sign(change) == -said
 
     def methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""
