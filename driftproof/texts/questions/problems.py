@@ -202,9 +202,15 @@ class ProblemRun:
         """The energy of y, the only entry, in the type of y. Raises TypeError as `rate` does."""
         return _values(enclosable(field_function(self.rates, [self.energy or "0"])), t, y)
 
-    @cached_property
+    @property
     def _function(self) -> RightHandSide:
-        return enclosable(field_function(self.rates))
+        return _function_of(self.rates)
+
+
+@lru_cache(maxsize=64)
+def _function_of(rates: VectorField) -> RightHandSide:
+    """The rates as a function on balls, written and compiled once for all runs on a problem."""
+    return enclosable(field_function(rates))
 
 
 def _values(function: RightHandSide, t: Any, y: _Row) -> _Row:
