@@ -174,7 +174,6 @@ def _missing(
         alike = sum(SequenceMatcher(None, a, b).ratio() for a, b in wrong.values())
         return len(wrong), not held.isdisjoint(map(match.start, wrong)), -alike
 
-    written = claim.phrase.written(spellings)
     missing, known = claim.count - len(occurrences), {one.start() for one in occurrences}
     for names in (True, False):  # second, names such as RK4 may have another number
         shape, expected = claim.phrase.shape(spellings, names)
@@ -182,12 +181,12 @@ def _missing(
         found = _at_address(document, claim, shape, _MOST_COMPARED)
         near = [one for one in found if one.start() not in known and _is_under(document, claim, one.start(1))]
         near.sort(key=distance)
-        most_differ = near and 2 * distance(near[0])[0] > len(expected) > 2
-        if near and not (most_differ and _end(document, document.text.text.replace("\n", " "), written)):
+        if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
             yield from (_difference(document, claim, expected, match, spellings) for match in nearest)
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
+    written = claim.phrase.written(spellings)
     there = "".join(f", {x} {said!r}" for x, said in zip(("row", "column"), claim.address, strict=False) if said)
     message = f"{written!r} occurs {often} in the text{there}; expected {_times(claim.count)}"
     flat = document.text.text.replace("\n", " ")

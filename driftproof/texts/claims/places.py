@@ -18,7 +18,6 @@ from driftproof.texts.claims.contradictions import (
     methods_compared,
     methods_named,
     methods_said_of,
-    names_in_order,
     rest_of_list,
     sentence_around,
     sentence_before,
@@ -90,8 +89,6 @@ _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
-# Words for methods that were named before.
-_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|(?:the|these) (?:last )?ratios|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
@@ -298,11 +295,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
     elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:
         settings.pop("h", None)  # which of several is not said
-    own = (
-        set[str]()
-        if row
-        else methods_said_of(before, after) or of_before or _own_of_before(text[:start], before, after)
-    )
+    own = set[str]() if row else methods_said_of(before, after) or of_before
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
     methods = methods or next((named for label in labels if (named := methods_named(label))), set())
@@ -330,13 +323,6 @@ def _says_energy(before: str, text: str, start: int) -> bool:
     return is_energy and not re.search(
         r"\b(?:amplitude|radius|phase|period|speed|height|angle)\b", before[said[-1].end() :]
     )
-
-
-def _own_of_before(text: str, before: str, after: str) -> set[str]:
-    """The method of a number in "the methods have orders 2 and 1", if the paragraph so far names as many methods."""
-    said = _METHODS_BEFORE.search(before)
-    names = names_in_order(re.split(r"\n\n|\|", text[-_NEAR:])[-1]) if said and not methods_named(before) else []
-    return methods_said_of(" and ".join(names) + before[said.end() :], after) if said and names[1:] else set()
 
 
 def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:
