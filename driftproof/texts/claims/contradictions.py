@@ -308,7 +308,7 @@ def starters_said(text: str) -> list[str]:
 
 
 def starts_said(text: str) -> Iterator[tuple[int, int]]:
-    """Where the lower-case text surely says, without a number, what starts a multistep method: RK4 may start at 1."""
+    """The spans in which the lower-case text surely says, without a number, what starts a multistep method."""
     for clause in STARTING.finditer(text):
         if _STARTED.search(clause[0]) and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
             yield clause.start(), clause.start() + len(clause[0].rstrip(" ,;:\n"))
