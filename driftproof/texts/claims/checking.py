@@ -12,9 +12,8 @@ from difflib import SequenceMatcher
 from fractions import Fraction
 from itertools import islice, product
 
-from driftproof.methods.catalogue import keys_of_name
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import lowered, names_another_axis, starters_said
+from driftproof.texts.claims.contradictions import lowered, names_another_axis
 from driftproof.texts.claims.phrases import NUMBER_ENDS, Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import tables_of
@@ -75,7 +74,6 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
     """What each claim says beside its numbers and is not so: the method that the text names there, or a fact."""
     text, tables = document.text.text, tables_of(document.text.text)
     lower = lowered(text, (x.question or "" for one in checked for x in one.claim.values.values()))
-    said_so = starters_said(text.lower(), surely=True)
     for one in checked:
         claim, findings = one.claim, list[Finding]()
         if claim.fact and (untrue := claim.untrue()):
@@ -83,11 +81,6 @@ def _untrue(document: Document, checked: Iterable[CheckedClaim]) -> Iterator[tup
             findings += [
                 Finding(claim.id, *at, untrue, claim.fact[1], f"{untrue}, not {claim.fact[1]}") for at in places
             ]
-        starters = {key for x in claim.values.values() for key in re.findall(r" started=([^\s,:]+)", x.question or "")}
-        if said_so and one.occurrences and any({x, *keys_of_name(x)}.isdisjoint(said_so) for x in starters):
-            names, own = ", ".join(sorted(said_so)), ", ".join(sorted(starters))
-            at = document.position(one.occurrences[0].start())
-            findings.append(Finding(claim.id, *at, own, names, f"the text says that {names} starts, not {own}"))
         findings += [
             Finding(claim.id, *document.position(place.start(name)), axis, "", f"the text names no {axis} axis here")
             for place, name in product(one.occurrences, claim.phrase.names)
@@ -199,6 +192,17 @@ def _missing(
     flat = document.text.text.replace("\n", " ")
     for one in occurrences:  # where nothing is missing
         flat = flat[: one.start()] + " " * len(one[0]) + flat[one.end() :]
+    at, tables = flat.find(written), tables_of(document.text.text)
+    number = next((x for x in numbers_in(written) if x.label is None), None)
+    if any(claim.address[:2]) and at >= 0 and number:  # in another row or column
+        stands = tables.address(replace(number, start=at + number.start, end=at + number.end))
+        own = [
+            f"{x} {said!r}"
+            for x, said, named in zip(("row", "column"), stands, claim.address, strict=False)
+            if named not in ("", said)
+        ]
+        yield Finding(claim.id, *document.position(at), written, written, f"{message}; it stands in {', '.join(own)}")
+        return
     in_any_case = re.compile(claim.phrase.shape(spellings)[0].pattern, re.IGNORECASE)
     if capitals := None if any(claim.address) else in_any_case.search(flat):
         place, shown = document.position(capitals.start()), capitals[0]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from itertools import product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
@@ -42,8 +42,9 @@ LINEAR = re.compile(r"(?<!\w)(?P<name>[^\W\d]\w*)'(?P<second>'?)(?:\(t\))? ?= ?-
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
 _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
-# What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
-_ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
+# What ends a sentence. A line that ends in a word, such as RK4, or a comma goes on in the next one, unless an item or a
+# row begins.
+_ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![^\W\d_][0-9])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Names of several methods that a text may have for other reasons.
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
 # What is no name of a method: the midpoint of a step, and a fraction.
@@ -67,10 +68,18 @@ _SETTINGS = re.compile(rf"\b\w+ ?= ?{LISTED_NUMBER}")
 _NO_SUBJECT = re.compile(
     r"\b(?:than|(?:un)?like|as|vs\.?|versus|against|to|from|(?:compared|contrast) \w+)(?: the)? \Z"
 )
+# Behind the ratio of the errors of two methods, up to the second of them.
+_TIMES_AS = re.compile(
+    r" times (?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
+    r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
+    r"[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? "
+)
 # Characters between a method and the number that it has.
 _LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
+# Sentences and questions whose names of methods are kept: a draft asks for those of each of them hundreds of times.
+_MOST_KEPT = 2**13
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
@@ -192,11 +201,10 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
 def methods_named(text: str) -> set[str]:
     """The keys of all methods named in the lower-case text by key, title or another name.
 
-    An ambiguous name, such as Verlet, stands for those of its methods that are named in full as well, if there are any.
+    An ambiguous name, such as Verlet, stands for those of its methods that a narrower name means, if there are any.
     """
     found = [keys for _, keys in _named(text)]
-    sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
-    return sure.union(*(keys & sure or keys for keys in found))
+    return set[str]().union(*(keys for keys in found if not any(narrower < keys for narrower in found)))
 
 
 def methods_in_full(text: str) -> set[str]:
@@ -258,6 +266,19 @@ def methods_said_of(before: str, after: str) -> set[str]:
     return listed[at][1] if len(listed) == at + 1 + more else set()
 
 
+def methods_compared(before: str, after: str) -> tuple[str, ...]:
+    """The keys of the methods with the larger and the smaller error in "A is 20 times as accurate as B"; () for none.
+
+    >>> methods_compared("the error of ab3 is ", " times smaller than that of ab2.")
+    ('adams_bashforth2', 'adams_bashforth3')
+    """
+    found, first = _TIMES_AS.match(flat(after)), last_methods_named(before)
+    other = spoken_names().match(flat(after), found.end()) if found else None
+    if not (found and other) or len(first) != 1 or len(second := _names()[other[0]]) != 1 or first == second:
+        return ()
+    return (*second, *first) if found["closer"] else (*first, *second)
+
+
 def names_in_order(text: str) -> list[str]:
     """The first name of each of the methods that the lower-case text names, in their order."""
     found = dict[frozenset[str], str]()
@@ -279,14 +300,18 @@ def without_starters(text: str) -> str:
     return STARTING.sub(without, text)
 
 
-def starters_said(text: str, surely: bool = False) -> list[str]:
-    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution.
-
-    Only those that it `surely` says so of, if asked: as a method of its own RK4 may start at 1, too.
-    """
-    said = " ".join(clause for clause in STARTING.findall(text) if not surely or _STARTED.search(clause))
+def starters_said(text: str) -> list[str]:
+    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
+    said = " ".join(STARTING.findall(text))
     named = methods_named(said)
     return [*(key for key in METHODS if key in named), *["exact"] * bool(_FROM_SOLUTION.search(said))]
+
+
+def starts_said(text: str) -> Iterator[tuple[int, int]]:
+    """The spans in which the lower-case text surely says, without a number, what starts a multistep method."""
+    for clause in STARTING.finditer(text):
+        if _STARTED.search(clause[0]) and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
+            yield clause.start(), clause.start() + len(clause[0].rstrip(" ,;:\n"))
 
 
 def lowered(text: str, questions: Iterable[str]) -> str:
@@ -300,6 +325,7 @@ def begins_with_method(text: str) -> bool:
     return spoken_names().match(flat(text)) is not None
 
 
+@lru_cache(maxsize=_MOST_KEPT)
 def _named(text: str) -> list[tuple[int, set[str]]]:
     """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
     spoken = flat(text)

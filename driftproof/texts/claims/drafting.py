@@ -14,7 +14,7 @@ from typing import NamedTuple
 from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
-from driftproof.texts.claims.contradictions import methods_asked, methods_named
+from driftproof.texts.claims.contradictions import methods_asked, methods_named, starts_said
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
@@ -30,7 +30,7 @@ from driftproof.texts.readers.number_words import whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber
 
 # A claim with longer questions takes its phrase as its id.
-_LONGEST_ID = 150
+_LONGEST_ID = 80
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Chosen: questions read from the text that are shown; they differ in methods and step sizes.
@@ -92,7 +92,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.values.stated[:_MOST_READ]]
         more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
         drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
-        drafted += _equations(text, {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}, ids)
+        without_numbers = {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}
+        starts = any(" started=" in one for one in suggestions.values.stated)
+        drafted += _given(text, without_numbers | ({*starts_said(text.lower())} if starts else set()), ids)
     drafted += _properties(document, ids)
     grouped = [of_one_method(group) for group in groups(text, members, fences)]
     questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
@@ -140,8 +142,8 @@ def lines_to_look_at(claims: str, name: str) -> list[str]:
     return [f"{name}: {counted(len(slips), 'number')} to look at:\n", *slips] if slips else []
 
 
-def _equations(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
-    """Claims that equations without numbers stand in the text as they do."""
+def _given(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
+    """Claims that equations without numbers, and what starts a multistep method, stand in the text as they do."""
     for phrase in dict.fromkeys(as_phrase(text[start:end].strip()) for start, end in sorted(spans)):
         with suppress(ValueError):  # too long
             if count := len(Phrase.of(phrase).exact({}).findall(text)):
@@ -218,7 +220,8 @@ def _asked_line(document: Document, missed: Missed) -> str:
     with suppress(ValueError):
         shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
     shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")
-    places = [f"{x.text} in line {document.position(x.start).line}" for x in (slips or vague)[:_MOST_PLACES]]
+    found = dict.fromkeys(f"{x.text} in line {document.position(x.start).line}" for x in slips or vague)
+    places = [*found][:_MOST_PLACES]
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"
 
 

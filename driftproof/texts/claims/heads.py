@@ -21,8 +21,10 @@ QUANTITY_WORDS = {
     "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factor|ratios?|times as|divides",
+    "embedded": r"embedded (?:solution|value|result|formula|method)|companion",
+    "estimate": r"estimates?(?: of (?:the|its) error)?|error estimates?",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|distance (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?|"
+    "error": r"errors?|distances?(?: (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?)?|"
     r"e_n|"
     r"off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",

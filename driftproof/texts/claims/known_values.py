@@ -83,7 +83,7 @@ class KnownValue:
         """The keys of the methods that the question names."""
         return set().union(*self.methods) or methods_named(self.question.lower())
 
-    @property
+    @cached_property
     def rank(self) -> int:
         """2 for what the author asks for, 1 for what is about a stated problem, 0 for other values."""
         return (self.chosen is not None) + (self.chosen is not None and not self.stated)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -13,6 +14,7 @@ from itertools import takewhile
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
+from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import (
@@ -35,8 +37,15 @@ from driftproof.texts.claims.places import (
 )
 from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
 from driftproof.texts.claims.spellings import digits_of, form_of, spelled
-from driftproof.texts.claims.stated_facts import fact_of, fact_said, is_bound, limit_of_steps, linear_equations
-from driftproof.texts.readers.number_words import whole_numbers_in
+from driftproof.texts.claims.stated_facts import (
+    fact_of,
+    fact_said,
+    is_bound,
+    is_on_the_safe_side,
+    limit_of_steps,
+    linear_equations,
+)
+from driftproof.texts.readers.number_words import trend_said, whole_numbers_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
@@ -115,27 +124,32 @@ class LookAlikes(NamedPlaces):
         of_own = place.unknown in self._unknowns.values()
         placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
         sole = None if fact and "*" in fact else fact  # a number of evaluations is also that of a run
-        bound = is_bound(sentence_around(self._lower, number.start, number.end)[0])
+        before, _ = sentence_around(self._lower, number.start, number.end)
+        bound = is_bound(before)
+        unsafe = bound and fact and self._is_unsafe(number, fact, before)
         stated = [each for each in meant if each.stated]
         wholes = [each for each in stated if not (place.unknown or asked_quantity(each.question)[1])]
         kinds = {without_sizes(each.question) for each in stated}
         unsaid = self._is_of_unsaid_runs(number)
-        signed = any(x.text[0] == "-" for x in self._company[self.tables.column_place(number)] if head)
-        of_two = len(digits_of(number.text)) > 1 and digits < 3
-        of_two &= self.agrees_jointly(number) or self.says_percent_of_error(number)
-        joint = self.only_meant(number) if of_two else None
+        signed, few = (
+            self.is_signed(number),
+            digits < 3 and len(digits_of(number.text)) > (place.settings.get("t") != 0),
+        )
+        joint = self.only_meant(number) if few and (self.agrees_jointly(number) or self.says_all(number)) else None
         here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
+        ranked = Counter((each.rank, fits[each.question]) for each in here)
         alike = {each.question for each in self.values.written_like(number)}
         exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
         unnamed, either_sign = self._is_of_unnamed_method(number), self._of_either_sign(number)
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
-            rivals = sum(fits[other.question] >= fit for other in here if other.rank >= known.rank)
+            rivals = sum(many for (rank, own), many in ranked.items() if rank >= known.rank and own >= fit)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
             denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
             denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
+            denied |= "abs(" in known.question and self._changes_otherwise(known, number)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
@@ -150,7 +164,7 @@ class LookAlikes(NamedPlaces):
             strong = likely and not denied and not elsewhere
             named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
             guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
-            strong = known.question == sole if sole else strong and not guessed
+            strong = not unsafe and (known.question == sole if sole else strong and not guessed)
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
@@ -160,7 +174,12 @@ class LookAlikes(NamedPlaces):
             last = known.answer.exact != x, unpublished, len(known.question), known.question
             found.append(((*order, *last), LookAlike(known.question, form, strong)))
         alikes = [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
-        is_fact = fact and not (alikes[:1] and alikes[0].strong) and spelled(number) in self.fact_spelled(fact, form)
+        is_fact = (
+            fact
+            and not unsafe
+            and not (alikes[:1] and alikes[0].strong)
+            and spelled(number) in self.fact_spelled(fact, form)
+        )
         return [LookAlike(fact, form, strong=True), *alikes] if fact and is_fact else alikes
 
     def fact_spelled(self, fact: str, form: NumberForm) -> list[str]:
@@ -168,6 +187,11 @@ class LookAlikes(NamedPlaces):
         with suppress(ValueError):
             return form.spellings(answer) if (answer := usual(fact)) and answer.is_number else []
         return []
+
+    def _is_unsafe(self, number: TextNumber, fact: str, before: str) -> bool:
+        """True for a bound of step sizes that is rounded to the wrong side of the limit by more than 1 in 20."""
+        limits = map(Fraction, self.fact_spelled(fact, NumberForm(digits=6))[:1])
+        return any(not is_on_the_safe_side(before, number.value, x) and 20 * abs(number.value - x) > x for x in limits)
 
     def _fact_at(self, number: TextNumber) -> str | None:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
@@ -236,6 +260,13 @@ class LookAlikes(NamedPlaces):
             if any(one.strong and " : error" in one.question for one in first):
                 return asked_quantity(first[0].question)[1] != unknown
         return unknown != ""
+
+    def _changes_otherwise(self, known: KnownValue, number: TextNumber) -> bool:
+        """True for the size of a change that went up where the sentence says that it went down, or down for up."""
+        said = trend_said(sentence_around(self._lower, number.start, number.end)[0])
+        signed = re.sub(r"abs\((.*?)\)(?=, 1\)|\Z)", r"\1", known.question)
+        change = next((each.answer.exact for each in self.values.known if each.question == signed), None)
+        return bool(said) and change is not None and certified_sign(change) == -said
 
     def methods_beside(self, number: TextNumber) -> set[str]:
         """The methods that the row and the head of the number, or its sentence, name."""

@@ -40,6 +40,9 @@ _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
+# Values that a number may be: more of them say nothing about it.
+_MOST_GUESSES = 6
+
 # What the remark on a number says that is perhaps wrong.
 SLIP = "is perhaps a slip:"
 # And on an error constant beside those of methods of another kind.
@@ -114,7 +117,7 @@ class Member:
         also = "also " * self.strong
         more += f"; {SIGN}" * (not self.strong and "error_constant " in " ".join(others[:1]))
         few = self.strong and len(digits_of(self.number.text)) < 3  # a small integer looks like much
-        shown = others and not self.chosen and not few
+        shown = others and not self.chosen and not few and len(others) <= _MOST_GUESSES
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 

@@ -196,12 +196,24 @@ class NamedPlaces:
                     tally[table, -1].append(agrees)
         return {x: sum(of) >= max(2 + (x[1] < 0), len(of) / 2) for x, of in tally.items()}
 
-    def says_percent_of_error(self, number: TextNumber) -> bool:
-        """True for a percentage that its sentence says to be an error, or of the energy, at a time that it gives."""
-        place = self._place_of(number)
+    def says_all(self, number: TextNumber) -> bool:
+        """True if its sentence says all of what a number is: of the start, or with method, step size and quantity.
+
+        A percentage is an error, or of the energy, at a time that is given.
+        """
+        place, near = self._place_of(number), self._place_of(number).near
         if place.quantity == "part_of_energy":
-            return place.sure or "t" in place.near
-        return place.quantity == "percent" and place.sure and "t" in place.near and self.says_error(number)
+            return place.sure or "t" in near
+        if place.quantity == "percent":
+            return place.sure and "t" in near and self.says_error(number)
+        at_start = "t" in near and not place.settings["t"] and place.quantity == "energy"
+        whole = place.own and near >= {"h"} and "t" in place.settings and place.quantity in ("energy", "error", "steps")
+        return not self.tables.row_of(number) and (at_start or whole)
+
+    def is_signed(self, number: TextNumber) -> bool:
+        """True if a number of its column has a sign."""
+        column = self.tables.column_place(number)
+        return column[0] >= 0 and any(x.text[0] == "-" for x in self._company[column])
 
     def says_error(self, number: TextNumber) -> bool:
         """True if the sentence says that a percentage is an error."""
@@ -266,5 +278,7 @@ class NamedPlaces:
         """The values that the place of the number names."""
         if number.start not in self._meant:
             place = self._place_of(number)
-            self._meant[number.start] = [each for each in self.values.known if place.means(each.question, each.keys)]
+            meant = [each for each in self.values.known if place.means(each.question, each.keys)]
+            either = "abs(" if self.is_signed(number) else "\n"  # beside -0.3, 0.2 is no change in either direction
+            self._meant[number.start] = [each for each in meant if either not in each.question]
         return self._meant[number.start]

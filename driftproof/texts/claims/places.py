@@ -15,9 +15,9 @@ from driftproof.texts.claims.contradictions import (
     begins_with_method,
     last_methods_named,
     methods_asked,
+    methods_compared,
     methods_named,
     methods_said_of,
-    names_in_order,
     rest_of_list,
     sentence_around,
     sentence_before,
@@ -62,7 +62,7 @@ _VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
 _TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the solution's column beside those of methods.
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
-_OF_UNKNOWN = re.compile(r"(?:errors?|error) (?:of|in|for) (?P<name>[^\W\d_]'?)(?![\w'])")
+_OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
 # Words of a change, which is one of the energy if that is spoken of.
@@ -79,7 +79,7 @@ _AT_START = re.compile(
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
 )
 # A ratio of errors follows, but for other words, or has been said.
-_DIVIDES = re.compile(r"\bdivide[sd]?\b.* by (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+_DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
 _AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
@@ -89,8 +89,6 @@ _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
-# Words for methods that were named before.
-_METHODS_BEFORE = re.compile(r"\b(?:the (?:two |three )?methods|(?:the|these) (?:last )?ratios|they|both)\b")
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 # Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
@@ -106,7 +104,7 @@ class Place:
     The row or the sentence of the number gives the settings `near`, and each of them one value, n the number of a step
     from which h tells the time; `own` methods are said
     to be the number's, or it is said to be `of_solution`. Of the two runs that a question compares, one of `of_row` has
-    the step size here.
+    the step size here. A ratio of the errors of two methods has these as `compared`, the larger first.
     """
 
     methods: frozenset[str]
@@ -118,6 +116,7 @@ class Place:
     own: bool = False
     of_solution: bool = False
     of_row: tuple[int, ...] = (0, 1)
+    compared: tuple[str, ...] = ()
 
     @property
     def steps(self) -> Fraction | None:
@@ -150,6 +149,8 @@ class Place:
     def is_of_others(self, question: str) -> bool:
         """True if the number is said to be of other methods than the question is about, or of the solution."""
         keys, (quantity, _) = methods_asked(question), asked_quantity(question)
+        if quantity == "energy" and question.startswith("exact "):  # of the start
+            return self.own or self.settings.get("t") != 0
         if self.of_solution:
             return quantity in {"state", "error"}
         return self.own and (keys.isdisjoint(self.methods) if keys else {quantity, self.quantity} == {"exact", None})
@@ -161,20 +162,25 @@ class Place:
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
-        for x, given in self.named_of(question).items():
-            if given and self.settings.get(x) not in given:
-                return False
+        if self.compared if len(methods) < 2 else self.compared != runs_asked(question):
+            return False
         if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
-        if self.quantity:
-            return quantity == self.quantity
-        return quantity in ("state", "error") or (quantity == "exact" and not self.own)
+        alike = (self.quantity,) if self.quantity else ("state", "error", *["exact"] * (not self.own))
+        if quantity not in alike or self.is_of_others(question):
+            return False
+        return all(self.settings.get(x) in given for x, given in self.named_of(question).items() if given)
 
 
 @cache
 def asked_settings(question: str) -> dict[str, list[Fraction]]:
     """The step sizes, times and arguments of stability functions in a question, by letter."""
     return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
+
+
+def runs_asked(question: str) -> tuple[str, ...]:
+    """The keys of the methods of the runs in a question, in their order."""
+    return (*re.findall(r"\brun (\w+)", question),)
 
 
 @cache
@@ -197,8 +203,8 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return readout.removeprefix("state_").removeprefix("position_"), ""
     if readout in ("energy", "energy_change", "relative_energy_change"):
         return "relative_energy" if readout[0] == "r" else "energy", ""
-    if kind[:1] == "k":
-        return kind, ""
+    if kind[:1] == "k" or kind in ("embedded", "estimate"):
+        return kind, "" if kind[:1] == "k" else unknown
     if kind == "error":
         return kind, unknown
     return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
@@ -244,7 +250,9 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             elif n and "h" in settings:
                 settings["t"], sure = int(n) * settings["h"], True
     elif of_column := (HEAD_OF_UNKNOWN.fullmatch(without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
-        name = of_column["name"]
+        name, n = of_column["name"], said and of_column["n"]
+        if n and "h" in settings:  # of one step, which begins at 0
+            settings["t"], sure = int(n) * settings["h"], True
     if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
         quantity = "exact"
     if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):
@@ -280,16 +288,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity, name = "stability", None
     elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
         quantity = "stability"
+    compared = () if row else methods_compared(before, after)
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
-    if quantity in COMPARED and (pairs := _PAIR.findall(said_before if not row else row[0].text or row[1].text)):
+    pairs = _PAIR.findall(said_before if not row else row[0].text or row[1].text)
+    if quantity in COMPARED and not compared and pairs:
         settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
-    elif quantity in COMPARED and "h" not in near:  # which of several pairs of step sizes is not said
-        settings.pop("h", None)
-    own = (
-        set[str]()
-        if row
-        else methods_said_of(before, after) or of_before or _own_of_before(text[:start], before, after)
-    )
+    elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:
+        settings.pop("h", None)  # which of several is not said
+    own = set[str]() if row else methods_said_of(before, after) or of_before
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
     methods = methods or next((named for label in labels if (named := methods_named(label))), set())
@@ -302,7 +308,10 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         name = unknowns.get(spelled := with_greek_spelled(name), spelled)
     sure &= quantity is not None
     near &= settings.keys()
-    return Place(frozenset(methods), settings, quantity, name, sure, near, bool(own), of_solution, of_row)
+    methods = {*compared} or methods
+    return Place(
+        frozenset(methods), settings, quantity, name, sure, near, bool(own or compared), of_solution, of_row, compared
+    )
 
 
 def _says_energy(before: str, text: str, start: int) -> bool:
@@ -314,13 +323,6 @@ def _says_energy(before: str, text: str, start: int) -> bool:
     return is_energy and not re.search(
         r"\b(?:amplitude|radius|phase|period|speed|height|angle)\b", before[said[-1].end() :]
     )
-
-
-def _own_of_before(text: str, before: str, after: str) -> set[str]:
-    """The method of a number in "the methods have orders 2 and 1", if the paragraph so far names as many methods."""
-    said = _METHODS_BEFORE.search(before)
-    names = names_in_order(re.split(r"\n\n|\|", text[-_NEAR:])[-1]) if said and not methods_named(before) else []
-    return methods_said_of(" and ".join(names) + before[said.end() :], after) if said and names[1:] else set()
 
 
 def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:

@@ -11,12 +11,12 @@ from driftproof.texts.readers.numbers import TextNumber
 
 
 def form_of(number: TextNumber, text: str = "") -> NumberForm:
-    """The form in which the text writes the number; a whole number is rounded if it is a percentage there."""
+    """The form in which the text writes the number; a whole number is rounded as a percentage or a ratio."""
     if number.is_worded:
         return NumberForm(spelled=WORDS)
     if "/" in number.text:
         return NumberForm(exact=True)
-    if number.places is None or (not number.places and text.startswith(("%", " %"), number.end)):
+    if number.places is None or (not number.places and text.startswith(("%", " %", " times "), number.end)):
         return NumberForm(digits=len(digits_of(number.text)))
     return NumberForm(places=number.places or None)
 

@@ -11,7 +11,14 @@ from itertools import chain, compress, pairwise, product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.texts.claims.contradictions import SETTING, methods_in_full, methods_named, starters_said
+from driftproof.texts.claims.contradictions import (
+    SETTING,
+    methods_compared,
+    methods_in_full,
+    methods_named,
+    sentence_around,
+    starters_said,
+)
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
 from driftproof.texts.claims.known_values import COUNT_OF_STEPS
 from driftproof.texts.claims.places import OF_EACH_STEP
@@ -35,6 +42,8 @@ LIMIT = re.compile(
     r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
     r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
 )
+# A number of steps that goes with a step size, as in "takes 20 steps of h = 0.05".
+_TAKES = re.compile(r"[0-9] steps (?:of|with) ")
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Characters before a step size in which a word may make it a limit.
 _BEFORE = 80
@@ -111,11 +120,15 @@ def _questions(
     named += [f"{{{key}}} started={by}" for key in sorted(spoken & multistep) for by in starters[-_MOST_STARTERS:]]
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
+    if problem.energy:
+        yield f"exact {equations}, energy={problem.energy}, t=0 : energy"
     errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
     read = [*problem.rates, *errors]
     read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
-    read += ["evaluations"] * bool(re.search("evaluation|calls", part))
+    read += ["evaluations"] * bool(re.search("evaluation|calls", part)) + ["steps"] * bool(_TAKES.search(part))
+    of = {key: f"{key} started={starters[-1]}" if key in multistep else key for key in spoken}
+    compared = [[of[key] for key in pair] for pair in _compared(part.lower()) if {*pair} <= {*of}]
     runs, late = list[tuple[Fraction, list[Fraction]]](), list[tuple[Fraction, list[Fraction]]]()
     longer = defaultdict[Fraction, list[int]](list)  # as in "after 1000 steps", of the step size before
     for found in [x for x in COUNT_OF_STEPS.finditer(part) if _MOST_TIMES <= int(x[1]) < _MOST_COUNTED][:_MOST_LATE]:
@@ -128,6 +141,9 @@ def _questions(
             left -= many * max(fitting) / h
             group.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
+            for pair in compared:
+                each = (f"run {key} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : error" for key in pair)
+                yield f"ratio({', '.join(each)})"
             for methods in named:
                 yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
                 if problem.energy:
@@ -137,6 +153,11 @@ def _questions(
                     relative = [f"{conserved} : relative_energy_change", f"abs({conserved} : relative_energy_change)"]
                     shares = map(SHARE.format, relative) if "%" in part else ()
                     yield from relative if "relative energy" in part.lower() else shares
+            pairs = [key for key in chosen if getattr(METHODS[key], "b_embedded", None)]
+            if pairs and re.search("embedded|companion|estimate", part):
+                for name in problem.rates:
+                    step = f"step {{{','.join(pairs)}}} {equations}, h={{{_shown(h)}}}"
+                    yield from (f"{step} : embedded.{name}", f"abs({step} : estimate.{name})")
             if chosen and with_slopes:
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
@@ -151,6 +172,12 @@ def _questions(
             ratio = f"ratio({', '.join(f'run {methods} {equations}, {rest}' for rest in both)})"
             order = f"log2({ratio})" if h == 2 * shorter else f"ln({ratio})/ln({h / shorter})"
             yield from compress((ratio, order), of_ratios)
+
+
+def _compared(text: str) -> Iterator[tuple[str, ...]]:
+    """The methods whose errors a text in lower case compares, each pair once, the larger error first."""
+    found = [x for x in numbers_in(text) if text.startswith(" times ", x.end)]
+    yield from {pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end)))}
 
 
 def _shown(x: Fraction) -> str:

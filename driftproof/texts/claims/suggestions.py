@@ -180,8 +180,9 @@ class Suggestions(LookAlikes):
             return moved
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
-        if not found and digits > 3:
-            place = self._place_of(number)
+        place = self._place_of(number)
+        alone = not self.tables.row_of(number) and (place.own or self.methods_beside(number) == {*place.methods})
+        if not found and digits > 3 - (alone and bool(place.quantity) and "h" in place.near):
             is_part = place.unknown or re.fullmatch("k[0-9]", place.quantity or "")
             part = " : " if is_part else "\n"  # another unknown or slope of the same run?
             others = {x for run in runs for x in (run, run.rpartition(part)[0])}

@@ -215,7 +215,7 @@ def _exact(context: QueryContext) -> Answer:
     """Answers `exact t=10 [problem=NAME | rates=(-y0)] [from q,v] : READOUT`."""
     from driftproof.texts.questions.runs import EXACT_READOUTS
 
-    context.require_only("t", parts=("start", "readout", "problem"))
+    context.require_only("t", parts=("start", "readout", "problem", "energy"))
     if other := context.query.subject or context.query.at:
         raise context.error(other, "exact takes no method, as in exact t=10 : q")
     if context.about_problem is not None:

@@ -44,7 +44,18 @@ _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
 _ERRORS = ("state_error", "relative_error", "largest_error", "error.y0", "position_error")
 _ENERGIES = ("energy", "energy_change", "relative_energy_change")
-PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, *_ENERGIES, "steps", "evaluations")
+PROBLEM_READOUTS = (
+    "y0",
+    "exact.y0",
+    "slope.y0",
+    "k1.y0",
+    "embedded.y0",
+    "estimate.y0",
+    *_ERRORS,
+    *_ENERGIES,
+    "steps",
+    "evaluations",
+)
 # A vector of balls or of Fractions.
 _Row = Sequence[Any]
 
@@ -82,8 +93,9 @@ class ProblemRun:
                 bits *= 2
 
     def _run(self) -> list[_Row]:
-        """The states of the exact run, in balls of the current precision."""
-        assert self.method is not None
+        """The states of the exact run, in balls of the current precision; without a method the solution at the end."""
+        if self.method is None:
+            return self.true(range(self.steps, self.steps + 1))
         found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
         if isinstance(self.method, StartedMultistep):
             if self.steps not in found:
@@ -134,9 +146,8 @@ class ProblemRun:
             if factor is not None:
                 y = [factor * y[0]]
                 continue
-            slopes = self.slopes(n * self.h, y)
-            weights = [self.h * Fraction(b) for b in self.method.b]  # type: ignore[union-attr, arg-type]
-            y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
+            changes = self.change(getattr(self.method, "b", ()), n * self.h, y)
+            y = [x + change for x, change in zip(y, changes, strict=True)]
 
     def _factor(self) -> Fraction | None:
         """R(hλ) on y' = λy of a method whose stages are solved; None for others. Raises TypeError if there is none."""
@@ -177,6 +188,12 @@ class ProblemRun:
         lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
         return explicit_slopes(self.method, self.rate, t, y, self.h, lift)
 
+    def change(self, weights: Sequence[Any], t: Fraction, y: _Row) -> _Row:
+        """The sum of h b_j k_j for these weights b, in the type of y. Raises TypeError as `slopes` does."""
+        lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
+        slopes, by = self.slopes(t, y), [lift(self.h) * lift(b) for b in weights]
+        return [sum((b * k[i] for b, k in zip(by, slopes, strict=True)), x - x) for i, x in enumerate(y)]
+
     def rate(self, t: Any, y: _Row) -> _Row:
         """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""
         return _values(self._function, t, y)
@@ -185,9 +202,15 @@ class ProblemRun:
         """The energy of y, the only entry, in the type of y. Raises TypeError as `rate` does."""
         return _values(enclosable(field_function(self.rates, [self.energy or "0"])), t, y)
 
-    @cached_property
+    @property
     def _function(self) -> RightHandSide:
-        return enclosable(field_function(self.rates))
+        return _function_of(self.rates)
+
+
+@lru_cache(maxsize=64)
+def _function_of(rates: VectorField) -> RightHandSide:
+    """The rates as a function on balls, written and compiled once for all runs on a problem."""
+    return enclosable(field_function(rates))
 
 
 def _values(function: RightHandSide, t: Any, y: _Row) -> _Row:
@@ -243,11 +266,12 @@ def _states(
 def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str, Callable[[ProblemRun], Answer]]:
     """The readouts of a run by name; `unknowns` replace the names y0, y1, ...
 
-    Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
-    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, error.y0, ... of
-    a component, and for q'' = F(t, q, q') position_error; energy, energy_change and relative_energy_change if the
-    problem has an energy; steps and evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta
-    method.
+    Without a method these are the components of the solution, and its energy. With one they are y0, ... and exact.y0,
+    ... at the end; slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps,
+    error.y0, ... of a component, and for q'' = F(t, q, q') position_error; energy, energy_change and
+    relative_energy_change if the problem has an energy; steps and evaluations; k1.y0, k2.y0, ... of the first step of
+    an explicit Runge-Kutta method, and if it is a pair, embedded.y0, ..., the other solution after that step, and
+    estimate.y0, ..., the first one minus the other.
     """
     all_steps = range(run.steps + 1)
 
@@ -261,18 +285,21 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         (end,) = run.true(all_steps[-1:])
         return end
 
+    def energy_of(run: ProblemRun, _: _Row, end: _Row) -> Any:
+        return run.energies(run.t, end)[0]
+
     exact = "exact." if run.method is not None else ""
     components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
     solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: solved(run)[i])) for i, y in components}
     if (method := run.method) is None:
-        return {**solution}
+        return {**solution, **({} if run.energy is None else {"energy": partial(_read, energy_of)})}
     errors = {f"error.{y}": slice(i, i + 1) for i, y in components}
     half = len(run.start) // 2
     if run.rates.rates[:half] == run.rates.components[half:]:
         errors["position_error"] = slice(half)
     energies: dict[str, _OfStates] = {}
     if run.energy is not None:
-        energies["energy"] = lambda run, _, end: run.energies(run.t, end)[0]
+        energies["energy"] = energy_of
         energies["energy_change"] = lambda run, first, end: (
             energies["energy"](run, first, end) - run.energies(Fraction(0), first)[0]
         )
@@ -283,6 +310,12 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         for j in range(len(run.method.b)):
             rows[f"k{j + 1}"] = lambda run, first, _, j=j: run.slopes(Fraction(0), first)[j]
+        if (other := run.method.b_embedded) is not None:
+            apart = [b - c for b, c in zip(run.method.b, other, strict=True)]
+            rows["estimate"] = lambda run, first, _: run.change(apart, Fraction(0), first)
+            rows["embedded"] = lambda run, first, _: [
+                x + change for x, change in zip(first, run.change(other, Fraction(0), first), strict=True)
+            ]
     return {
         **{y: partial(_read, lambda run, _, end, i=i: end[i]) for i, y in components},
         **solution,

@@ -16,9 +16,10 @@ _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
 # Sign of a change -> the words for it, the plainest first.
 _TRENDS = {
-    1: "grows grow grew growing increases increase increased increasing rises rise rose rising gains gain gained",
-    -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose "
-    "lost losing decays decayed drops dropped",
+    1: "grows grow grew grown growing increases increase increased increasing rises rise rose risen rising gains gain "
+    "gained",
+    -1: "shrinks shrink shrank shrunk shrinking decreases decrease decreased decreasing falls fall fell fallen falling "
+    "loses lose lost losing decays decayed drops dropped",
     0: "stays stay stayed staying keeps keep kept keeping",
 }
 _UNIT = "|".join(sorted(_SMALL, key=len, reverse=True))
@@ -89,6 +90,12 @@ def worded_number(x: Fraction) -> list[str]:
 def worded_trend(sign: int) -> list[str]:
     """The words for a change of this sign: 1 grows, -1 shrinks, 0 stays."""
     return [form for word in _TRENDS[sign].split() for form in (word, word.capitalize())]
+
+
+def trend_said(text: str) -> int:
+    """The sign of the last change that the text speaks of: 1 for "has grown by", 0 for none."""
+    words = _CHANGE.findall(text)
+    return next((sign for sign, of in _TRENDS.items() if words and words[-1].lower() in of.split()), 0)
 
 
 def is_worded(text: str) -> bool:

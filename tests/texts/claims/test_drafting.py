@@ -78,8 +78,8 @@ def test_an_asked_value_of_which_no_digit_is_certain_is_listed():
     assert draft(document_of("is 7.25"), "a", [f"log2(ratio({error}, {error}))"]).endswith(listed)
 
 
-def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits():
-    for length, shown in ((150, True), (151, False)):
+def test_an_id_has_80_characters_at_most_and_what_is_nowhere_8_digits():
+    for length, shown in ((80, True), (81, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"
         text = draft(document_of("is 0.123457"), "a", [question])
         assert (f'id = "{question}"' in text) is shown

@@ -186,17 +186,17 @@ Take u' = -3u with u(0) = 2 and h = 0.1. AB2 is started with a step of Heun's me
 @pytest.mark.parametrize(
     ("old", "new", "found"),
     [
-        ("AB2 !! Heun", "Heun !! AB2", "Heun"),
-        ("a step of Heun's", "a step of RK4's", "rk4"),
-        ("is started with a step of Heun's method", "is started exactly", "exact"),
-        ("Euler's needs", "RK4 needs", None),
+        ("AB2 !! Heun", "Heun !! AB2", True),
+        ("a step of Heun's", "a step of RK4's", True),
+        ("is started with a step of Heun's method", "is started exactly", True),
+        ("Euler's needs", "RK4 needs", False),
     ],
 )
 def test_a_row_of_a_wiki_keeps_its_heads_and_a_run_what_starts_it(old, new, found):
     claims = parse_claims(draft(document_of(ON_A_WIKI), "a")).claims
     assert sum(len(one.values) for one in claims) == 4
     checked = check_claims(document_of(ON_A_WIKI.replace(old, new)), claims)
-    assert {x.found for each in checked for x in each.findings if "|" not in x.found} == {found} - {None}
+    assert any(each.findings for each in checked) is found
     assert not any(each.findings for each in check_claims(document_of(ON_A_WIKI), claims))
 
 

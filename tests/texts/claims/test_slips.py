@@ -55,14 +55,8 @@ def test_a_number_whose_method_is_named_is_of_no_other_and_an_exchanged_pair_is_
     ]
 
 
-@pytest.mark.parametrize(
-    "said",
-    [
-        "Implicit Euler and trapezoidal rule have orders {} and {}.",
-        "Implicit Euler divides the error by two, the trapezoidal rule by four; the methods have orders {} and {}.",
-    ],
-)
-def test_orders_of_a_list_are_those_of_its_methods(said):
+def test_orders_of_a_list_are_those_of_its_methods():
+    said = "Implicit Euler and trapezoidal rule have orders {} and {}."
     assert strong_and_slips(said.format(1, 2)) == [("1", True, []), ("2", True, [])]
     assert strong_and_slips(said.format(2, 1)) == [("2", False, ["1"]), ("1", False, ["2"])]
 
@@ -407,11 +401,14 @@ MOVES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2, h = 0.1.\n| method | 
 PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, the 3/8 rule, Kutta's third-order method"
 
 
+MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 - cos(θ), ω = θ'. "
+
+
 @pytest.mark.parametrize(
     ("text", "number", "claim", "slip"),
     [
         (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 20.6", "20.6", "h=0.1, t=1", ""),
-        (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 18.1", "18.1", "", ""),
+        (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 18.1", "18.1", "", "20.6"),
         (f"{DECAY}\n| method | y |\n| Heun | 0.105340 |\n| Kutta's third | 0.099747 |", "0.099747", "", "0.099527"),
         (f"{DECAY}\n| method | y |\n| BS3 | 0.099147 |\n| Nemo's | 0.099147 |", "0.099147", "", ""),
         (f"{DECAY} With h = 0.2 the pair of Cash and Karp has y_1 = 1.097660", "1.097660", "", "1.097621"),
@@ -419,12 +416,24 @@ PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, th
         (f"{SWINGS}RK4 swings. At t = 2 the pendulum is at ω = -1.0872045", "-1.0872045", "exact", ""),
         (f"{SWINGS}| RK4 | distance from the truth |\n| t = 2 | 1.28e-06 |", "1.28e-06", "error", ""),
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |", "-0.00442", "relative_energy_change", ""),
-        (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", ""),
+        (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", "-0.311"),
         (f"{MOVES}| RK4 | 19.999116 | -0.00442 % |", "19.999116", "", "1.9999116"),
         (f"{DECAY} Halving it, Heun's errors fall by factors of 4.580 and 5.494", "4.580", "", ""),
         (f"{PAIRS}. Dormand-Prince arrives at 0.367879442", "0.367879442", "dormand_prince54", ""),
         (f"{PAIRS}, BS3, BS5, RKF45, RKF78, midpoint RK2. DVERK arrives at 0.367879442", "0.367879442", "", ""),
         ("AB2 has the error constant 5/12, the trapezoidal rule 1/12", "1/12", "", ""),
+        (f"{DECAY} With h = 0.1 RK4 is 222 times as accurate as Heun's method", "222", "ratio(run heun2", ""),
+        (f"{DECAY} With h = 0.1 Heun's method is 222 times as accurate as RK4", "222", "", ""),
+        (f"{DECAY} At h = 0.1 RK4 is 232 times more accurate than Heun's method", "232", "", "222"),
+        (f"{DECAY} With h = 0.1 RK4\nis off by 5.35e-04", "5.35e-04", "", "2.59e-5"),
+        (f"{DECAY} The companion of BS3 with h = 0.2 is 1.0844", "1.0844", "embedded.y", ""),
+        (f"{DECAY} The error estimate of BS3 with h = 0.2 is 0.00360", "0.00360", "estimate.y", ""),
+        (f"{MINE}The energy is -0.362358 at the start. RK4 has h = 0.1", "-0.362358", "exact ", ""),
+        (f"{MINE}The energy is 0.362358 at the start. RK4 has h = 0.1", "0.362358", "", "-0.362358"),
+        (f"{MINE}With h = 0.1, the energy of RK4 has fallen by 8.7e-8 at t = 2", "8.7e-8", "abs(", ""),
+        (f"{MINE}With h = 0.1, the energy of RK4 has risen by 8.7e-8 at t = 2", "8.7e-8", "", ""),
+        ("On y' = -2y AB3 needs h ≤ 0.3", "0.3", "", ""),
+        ("On y' = -2y AB3 needs h ≤ 0.27", "0.27", "real_limit", ""),
     ],
 )
 def test_readings_of_places(text, number, claim, slip):

@@ -91,9 +91,25 @@ def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, mo
         assert value(f"{run} : energy_change").exact == energy - (2 + Q(1, 4))
         assert value(f"{run} : relative_energy_change").exact == energy / (2 + Q(1, 4)) - 1
         assert value(f"run rk4 problem={name}.toml h=1/4 N=3 from 0,1 : energy").exact != energy
+        assert value(f"exact problem={name}.toml t=0 : energy").exact == 2 + Q(1, 4)
+    swing = "x'=v, v'=-sin(x), x(0)=1.2, v(0)=0, energy=v^2/2 - cos(x)"
+    assert {value(f"exact {swing}, t={t} : energy").digits(12) for t in (0, 2)} == {value("-cos(1.2)").digits(12)}
     with pytest.raises(ValueError, match="the energy of the start is 0"):
         value("run rk4 y'=-y, y(0)=1, energy=y-1, h=1/4 t=1 : relative_energy_change")
     require_refusal("run rk4 rates=(-y0) from 1 h=1/4 t=1 : energy", 40, "'energy' is not a readout of run")
+
+
+def test_the_other_row_of_a_pair_and_the_estimate_are_those_of_the_first_step():
+    """On y' = -3y the rows of Bogacki and Shampine are R(z) = 1 + z + z²/2 + z³/6 and 1 + z + z²/2 + 3z³/16 + z⁴/48."""
+    z = Q(-3, 5)
+    first, other = 1 + z + z**2 / 2 + z**3 / 6, 1 + z + z**2 / 2 + 3 * z**3 / 16 + z**4 / 48
+    for run in ("step bogacki_shampine32 y'=-3y, y(0)=2, h=0.2", "run bogacki_shampine32 y'=-3y, y(0)=2, h=0.2, t=1"):
+        assert value(f"{run} : embedded.y").exact == 2 * other
+        assert value(f"{run} : estimate.y").exact == 2 * (first - other)
+    swing = "step dormand_prince54 x'=v, v'=-sin(x), x(0)=1.2, v(0)=0, h=0.2"
+    parts = f"({swing} : x) - ({swing} : embedded.x)"
+    assert value(parts).digits(9) == value(f"{swing} : estimate.x").digits(9)
+    require_refusal("step rk4 y'=-y, y(0)=1, h=0.1 : estimate.y", 33, "'estimate.y' is not a readout of step")
 
 
 def test_parameters_of_a_file_may_be_changed_and_no_others(tmp_path, monkeypatch):
