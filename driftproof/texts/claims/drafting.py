@@ -27,7 +27,7 @@ from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.number_words import whole_numbers_in
-from driftproof.texts.readers.numbers import TextNumber
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 80
@@ -76,9 +76,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     text = document.text.text
     printed = [(one.program.text, document.span(one.printed)) for one in listings_in(document) if one.printed]
     suggestions = Suggestions(text, asked, printed)
-    search = PhraseSearch(text, suggestions.words)
+    search = PhraseSearch(text)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
-    unlabelled, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
+    unlabelled, letters = [number for number in numbers_in(text) if number.label is None], parameters_in(text)
     numbers = sorted((*unlabelled, *suggestions.words), key=lambda one: one.start)
     members = [Member.of(number, suggestions, text, equations, letters) for number in numbers]
     code = {at for span in document.code for at in range(*span)}
