@@ -18,9 +18,8 @@ from driftproof.texts.claims.contradictions import methods_asked, methods_named,
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
-from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import Said, properties_in
-from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.phrases import Phrase, digits_of
+from driftproof.texts.claims.stated_facts import Said, properties_in
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in
 from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.claims.tables import Address

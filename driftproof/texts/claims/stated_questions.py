@@ -20,9 +20,8 @@ from driftproof.texts.claims.contradictions import (
     starters_said,
 )
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
-from driftproof.texts.claims.known_values import COUNT_OF_STEPS
 from driftproof.texts.claims.places import OF_EACH_STEP
-from driftproof.texts.claims.possible_values import SHARE
+from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations

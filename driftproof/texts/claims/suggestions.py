@@ -15,12 +15,10 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import methods_asked, methods_named, names_limit, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
-from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
-from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, slips, spelled
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
-from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, SHARE
-from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
+from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, SHARE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in

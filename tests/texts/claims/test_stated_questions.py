@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from driftproof.texts.claims.known_values import questions_in
+from driftproof.texts.claims.possible_values import questions_in
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
