@@ -10,6 +10,7 @@ from itertools import product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
+from driftproof.texts.readers.number_words import UNIT_BEHIND
 from driftproof.texts.values.published import published_values
 
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
@@ -246,6 +247,7 @@ def methods_said_of(before: str, after: str) -> set[str]:
     It does in "x for A", "x (A)" and "A is off by x", and of the numbers of a list in "A and B are x and y", "x and y
     for A and B", and "A and B have x, if h = 1, and y, respectively".
     """
+    before, after = (UNIT_BEHIND.sub("", part) for part in (before, after))
     before, after = (re.sub(r"--+|(?<=[a-df-z])-|-(?!\.?[0-9])|[_\n]", " ", part) for part in (before, after))
     left, right = rest_of_list(before, after)
     if behind := _methods_behind().match(after[len(right) :]):

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import takewhile
+from itertools import product, takewhile
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
@@ -21,20 +21,22 @@ from driftproof.texts.claims.contradictions import (
     SETTING,
     begins_with_method,
     contradicted,
+    methods_asked,
     methods_named,
     names_in_order,
     sentence_around,
     sentence_before,
     with_names_settled,
 )
-from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
+from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column, is_head_of
 from driftproof.texts.claims.named_places import NamedPlaces
 from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, spelled
 from driftproof.texts.claims.places import (
     COMPARED,
     asked_quantity,
+    asked_settings,
 )
-from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, KnownValue, usual
+from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, LIMITS_OF_METHODS, KnownValue, usual
 from driftproof.texts.claims.stated_facts import (
     fact_of,
     fact_said,
@@ -145,9 +147,10 @@ class LookAlikes(NamedPlaces):
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
+            denied |= asked and self._is_of_another_cell(known.question, number)
             denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
             denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
-            denied |= "abs(" in known.question and self._changes_otherwise(known, number)
+            denied |= self._changes_otherwise(known, number)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
@@ -247,6 +250,25 @@ class LookAlikes(NamedPlaces):
         told &= asked_quantity(known.question)[0] == "exact" and not self.tables.row_of(number)
         return told and not self.methods_beside(number) and place.means(known.question, set())
 
+    def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:
+        """True if the number's row and column give another method, step size, time or number of steps than asked."""
+        if not (row := self.tables.row_of(number)):
+            return False
+        beside, place = self.methods_beside(number), self._place_of(number)
+        if beside and (keys := methods_asked(question)) and keys.isdisjoint(beside):
+            return True
+        if question.startswith("exact ") and methods_named(self.tables.column_of(number)) and place.settings.get("t"):
+            return place.quantity != "exact"
+        of_row = asked_quantity(question)[0] in COMPARED
+        asked = {**(place.named_of(question) if of_row else asked_settings(question))}
+        counts = [Fraction(n) for n in COUNT_OF_STEPS.findall(question)]
+        counts = counts or [t / h for h, t in product(asked["h"], asked["t"])]
+        asked["t"] = asked["t"] or [n * h for h, n in product(asked["h"], counts)]
+        if any(asked[x] and place.settings[x] not in asked[x] for x in place.near & asked.keys()):
+            return True
+        said = [int(cell.text) for cell in row if is_head_of("n", cell.head) and re.fullmatch("[1-9][0-9]*", cell.text)]
+        return bool(counts and said) and said[-1] not in counts
+
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""
         quantity, unknown = asked_quantity(known.question)
@@ -260,7 +282,9 @@ class LookAlikes(NamedPlaces):
         return unknown != ""
 
     def _changes_otherwise(self, known: KnownValue, number: TextNumber) -> bool:
-        """True for the size of a change that went up where the sentence says that it went down, or down for up."""
+        """True for a change, or its size, that went up where the sentence says that it went down, or down for up."""
+        if "_change" not in known.question or asked_quantity(known.question)[0] in COMPARED:
+            return False
         said = trend_said(sentence_around(self._lower, number.start, number.end)[0])
         signed = re.sub(r"abs\((.*?)\)(?=, 1\)|\Z)", r"\1", known.question)
         change = next((each.answer.exact for each in self.values.known if each.question == signed), None)

@@ -69,6 +69,8 @@ class Member:
     ) -> Member:
         """The number with what the text says about it; `letters` are parameters, and `equations` where one stands."""
         start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
+        slips, of_slip = suggestions.slips(number), suggestions.has_slip_before(number)
+        alike = [replace(one, strong=one.strong and not of_slip) for one in alike]
         before = text[start : number.start].replace("\n", " ")
         parameter = re.search(r"(?<![\w./√^])([^\W\d]\w*) ?= ?\Z", before)
         found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
@@ -96,7 +98,7 @@ class Member:
         if number.start in equations:
             strong, (setting, until) = False, equations[number.start]
         setting = suggestions.in_calculation.get(number.start, setting)
-        return cls(number, alike, suggestions.slips(number), strong, None if strong else setting, until)
+        return cls(number, alike, slips, strong, None if strong or slips or of_slip else setting, until)
 
     @property
     def chosen(self) -> bool:

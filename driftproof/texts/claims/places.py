@@ -18,6 +18,7 @@ from driftproof.texts.claims.contradictions import (
     methods_compared,
     methods_named,
     methods_said_of,
+    names_in_order,
     rest_of_list,
     sentence_around,
     sentence_before,
@@ -34,7 +35,7 @@ from driftproof.texts.claims.heads import (
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
+from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, UNIT_BEHIND, counts_of_steps, durations
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
@@ -289,10 +290,15 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:
         settings.pop("h", None)  # which of several is not said
     own = set[str]() if row else methods_said_of(before, after) or of_before
+    if not (own or row or compared) and quantity in COMPARED and not methods_named(before + after):
+        heads_above = re.findall(r"(?:\A|\n\n|\n(?!\|).*\n)(\|.*)", text[max(0, start - _FARTHEST) : start])
+        own = _methods_by_order(before, after, sentence_before(text, start), *heads_above[-1:])
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
     methods = methods or next((named for label in labels if (named := methods_named(label))), set())
-    by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
+    by = re.match(
+        rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", UNIT_BEHIND.sub("", text[end : end + 2 * _BESIDE])
+    )
     methods = methods or (methods_named(by[1]) if by else set())
     if not methods and not _is_labelled(text, start, row):  # by a name that is none of a method
         methods = last_methods_named(text[max(0, start - _NEAR) : start], after)
@@ -305,6 +311,14 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     return Place(
         frozenset(methods), settings, quantity, name, sure, near, bool(own or compared), of_solution, of_row, compared
     )
+
+
+def _methods_by_order(before: str, after: str, *sources: str) -> set[str]:
+    """The keys of the method that a number of a list is of: of as many that the first such source names, in order."""
+    left, right = rest_of_list(before, after)
+    at, rest = (len(re.findall(LISTED_NUMBER, part)) for part in (left, right))
+    lists = (names_in_order(source) for source in sources if at + rest)
+    return next((methods_named(names[at]) for names in lists if len(names) == at + 1 + rest), set())
 
 
 def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:

@@ -70,7 +70,9 @@ _NEAR = 150
 # Property -> the fact of that name.
 _PROPERTIES = {"a-stable": "a_stable", "l-stable": "l_stable", "symplectic": "symplectic", "symmetric": "symmetric"}
 # Words before a sentence, or in it, that ask, deny or doubt what it says, and how far before.
-_IN_DOUBT = re.compile(r"\b(?:myth|false|whether|if|unless|claims?|believes?|wrong|say|cannot|nobody|never)\b")
+_IN_DOUBT = re.compile(
+    r"\b(?:myth|false|whether|if|unless|claims?|believes?|wrong|say|cannot|nobody|never|neither|nor)\b"
+)
 _FARTHEST = 100
 
 
@@ -137,6 +139,8 @@ def fact_said(
     the methods `own`, if it is said whose it is, also of "A and B have orders 2 and 4". An axis or an angle is named
     in `far`, the text before.
     """
+    if re.search(r"\b(?:neither|nor)\b", before):
+        return None
     if bound := _BOUND.search(before):
         methods = own or last_methods_named(before)
         return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None

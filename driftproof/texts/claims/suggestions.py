@@ -74,6 +74,7 @@ class Suggestions(LookAlikes):
             return {done.question: results[0]} if results and digits > 1 else {}
         beside = self.methods_beside(number)
         asked = {x for x in self.values.asked if not beside or not (keys := methods_asked(x)) or keys & beside}
+        asked = {x for x in asked if not self._is_of_another_cell(x, number)}
         if not any(one.strong or one.question in meant | asked for one in alike):
             shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
             ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
@@ -86,6 +87,8 @@ class Suggestions(LookAlikes):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
                     of_other |= bool(known.keys) and known.keys <= self._not_meant
+                    of_other |= slip == other_sign and self._is_factor(number)  # a modulus
+                    of_other |= known.rank == 2 and self._is_of_another_cell(known.question, number)
                     of_other |= (known.stated and here.is_of_others(known.question)) or (digits < 3 and not here.sure)
                     if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
                         continue
@@ -114,13 +117,23 @@ class Suggestions(LookAlikes):
                 in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
                 found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
         found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
-        found = {} if self._is_of_row(number, found) else found
+        found = {} if self._is_of_row(number, found) or self._is_of_list(number, found) else found
         if self._place_of(number).quantity == "percent" and not (self.tables.row_of(number) or self.says_error(number)):
             found = {x: y for x, y in found.items() if x in self.values.asked}  # of an amplitude, say
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
         found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
         return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _is_factor(self, number: TextNumber) -> bool:
+        """True for a number of a product, a quotient or a modulus that stands in no table."""
+        before, after = self.text[: number.start].rstrip(" ")[-1:], self.text[number.end :].lstrip(" ")[:1]
+        return not self.tables.row_of(number) and bool({before, after} & {*"*·×/|"})
+
+    def has_slip_before(self, number: TextNumber) -> bool:
+        """True for the result of a calculation with a number that is perhaps a slip."""
+        done = self.calculated.get(number.start)
+        return done is not None and any(self.slips(x) for x in self._numbers if done.start <= x.start < number.start)
 
     def _is_of_row(self, number: TextNumber, found: Iterable[str]) -> bool:
         """True if the number is such a value at the step size or time that stands in its row, under whatever head."""
@@ -131,6 +144,14 @@ class Suggestions(LookAlikes):
                 if all(said[x] == own[x] or (row >= {*own[x]} and not row >= {*said[x]}) for x in said):
                     return True
         return False
+
+    def _is_of_list(self, number: TextNumber, found: Iterable[str]) -> bool:
+        """True for a ratio or an order, in a sentence that names no method, that such a value of another method is."""
+        if self._place_of(number).quantity not in COMPARED or self.tables.row_of(number) or self.methods_beside(number):
+            return False
+        kinds = {_METHOD_AND_START.sub("", without_sizes(one)) for one in found}
+        alike = (one.question for one in self.look_alikes(number) if asked_quantity(one.question)[0] in COMPARED)
+        return any(_METHOD_AND_START.sub("", without_sizes(one)) in kinds for one in alike)
 
     def _is_safe(self, number: TextNumber, fact: str, limit: Fraction) -> bool:
         """True for a bound of step sizes that is right and no limit: cut off, of two digits, or 1 in 20 away.
@@ -166,7 +187,7 @@ class Suggestions(LookAlikes):
         """
         if digits < 3 and not (digits == 2 and self.agrees_jointly(number)):
             return {}
-        stated = [known.question for known in self._meant_at(number) if known.stated]
+        stated = [known.question for known in self._meant_at(number) if known.rank]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
         alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
         runs = [run for one in alike if (run := without_sizes(one)) != one]

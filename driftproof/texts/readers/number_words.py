@@ -47,6 +47,12 @@ _STEPS = re.compile(
 # The unit of a time, as in day 20, and a time with it behind.
 TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 _DURATION = re.compile(rf"\bafter ([0-9]+(?:\.[0-9]+)?|{_UNIT}) (?:time unit|{TIME_UNIT})s?\b", re.IGNORECASE)
+# A unit right behind a number, in lower case: what is said of the number goes on after it.
+_MEASURE = (
+    r" ?(?:(?:[fpnuµμmck]?(?:v|m|s|g|a|n|j|w|l|hz|pa|ω|mol|ohms?)|k|min|rad|°c?|%|mmhg|volts?|met(?:er|re)s?|seconds?|"
+    r"amperes?|joules?|newtons?|watts?|kelvins?|degrees?|radians?)(?:/(?:s|m|h|kg|l|min))?(?:\^?[23]|[²³])?)(?![\w/^'])"
+)
+UNIT_BEHIND = re.compile(rf"(?:(?<=[0-9}}])|\A){_MEASURE}")
 
 
 def counts_of_steps(text: str) -> list[int]:

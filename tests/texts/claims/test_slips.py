@@ -470,3 +470,79 @@ def test_another_method_of_the_sentence_is_no_start_of_a_multistep_one(goes_on):
     assert [claimed[x][:12] for x in ("1.51333", "1.53680")] == ["run adams_ba", "run forward_"]
     claimed, _ = claims_and_slips(f"{text}x = 1.53680 for t = 1, {goes_on} x = 1.51333.")
     assert [claimed[x] for x in ("1.51333", "1.53680")] == ["", ""]
+
+
+ASKED = """We solve y' = -2y + t, y(0) = 1 with h = 0.1.
+
+| t | Euler | Heun | RK4 |
+| 0.2 | 0.65000 | 0.69050 | 0.68791 |
+| 0.4 | 0.46200 | {} | {} |
+| 0.6 | {} | 0.43001 | 0.42650 |
+"""
+
+
+@pytest.mark.parametrize("asked", ["y'=-2y + t", "y'=t-2y"])
+@pytest.mark.parametrize(
+    ("wrong", "slips"),
+    [
+        (("0.51515", "0.51167", "0.37768"), {}),
+        (("0.51515", "0.51167", "0.46200"), {"0.46200": {"0.37768"}}),  # of the row above
+        (("0.51167", "0.51515", "0.37768"), {"0.51167": {"0.51515"}, "0.51515": {"0.51167"}}),
+        (("0.51515", "0.51166", "0.37768"), {"0.51166": {"0.51167"}}),  # of the solution
+    ],
+)
+def test_an_asked_value_is_that_of_its_row_and_column(asked, wrong, slips):
+    runs = f"run {{Euler,Heun,RK4}} {asked}, y(0)=1, h=0.1, t={{0.2,0.4,0.6}} : y"
+    text = ASKED.format(*wrong)
+    suggestions = Suggestions(text, [runs, runs.replace("run {Euler,Heun,RK4}", "exact").replace("h=0.1, ", "")])
+    found = {x.text: {*suggestions.slips(x).values()} for x in numbers_in(text) if suggestions.slips(x)}
+    assert found == slips
+    held = [x.text for x in numbers_in(text) if len(x.text) > 6 and suggestions.look_alikes(x)[0].strong]
+    assert len(held) == 9 - len(slips)
+
+
+@pytest.mark.parametrize("unit", ["V", "m/s", "m"])
+def test_behind_a_unit_stands_the_method_of_a_number(unit):
+    said = "With y' = -2y, y(0) = 1, h = 0.1 s y is at t = 1 s {0} {2} by backward Euler and {1} {2} by the trapezoid."
+    right = strong_and_slips(said.format("0.1615", "0.1344", unit))[-2:]
+    wrong = strong_and_slips(said.format("0.1344", "0.1615", unit))[-2:]
+    assert right == [("0.1615", True, []), ("0.1344", True, [])]
+    assert wrong == [("0.1344", False, ["0.1615"]), ("0.1615", False, ["0.1344"])]
+
+
+@pytest.mark.parametrize(
+    ("said", "holds"), [("grows", True), ("shrinks", False), ("has gained", True), ("falls", False)]
+)
+def test_a_change_goes_in_the_direction_that_is_said(said, holds):
+    text = "x'' = -x, x(0) = 1, x'(0) = 0, energy E = x'^2/2 + x^2/2: with forward Euler, h = 0.1, "
+    claimed, _ = claims_and_slips(f"{text}E {said} by 0.852 until t = 10.")
+    assert claimed["0.852"].endswith("energy_change") == holds
+
+
+def test_a_change_that_shrinks_with_the_step_size_may_be_one_that_grows():
+    run = "run forward_euler x'=v, v'=-x, x(0)=1, v(0)=0, energy=v^2/2+x^2/2, h={}, t=10 : energy_change"
+    text = "From h = 0.1 to h = 0.05 the growth of the energy of forward Euler shrinks by a factor of 2.632."
+    suggestions = Suggestions(text, [f"ratio({run.format(0.1)}, {run.format(0.05)})"])
+    assert suggestions.look_alikes([*numbers_in(text)][-1])[0].strong
+
+
+@pytest.mark.parametrize(
+    ("orders", "strong", "slips"),
+    [
+        (("1.01", "2.06", "4.06"), [True, True, True], {}),
+        (("1.06", "2.06", "4.06"), [False, True, True], {"1.06": ["1.01"]}),
+        (("2.06", "1.01", "4.06"), [False, False, True], {}),
+    ],
+)
+def test_orders_in_a_list_are_of_the_methods_of_the_sentence_or_the_table_before(orders, strong, slips):
+    said = "With y' = -2y, y(0) = 1 the errors at t = 1 are these:\n\n| h | Euler | Heun | RK4 |\n"
+    said += "| 0.05 | 1.38e-02 | 4.87e-04 | 2.45e-07 |\n| 0.025 | 6.82e-03 | 1.17e-04 | 1.47e-08 |\n\n"
+    said += "From h = 0.05 to h = 0.025 the observed orders are {}, {} and {}."
+    claimed, found = claims_and_slips(said.format(*orders))
+    assert ([claimed[x].startswith("log2") for x in orders], found) == (strong, slips)
+
+
+def test_a_modulus_is_no_slip_of_its_sign():
+    text = "Its eigenvalue is -11.916, so h <= 2/11.916 = 0.168, not 11.916."
+    suggestions = Suggestions(text, ["-6-sqrt(35)"])
+    assert [bool(suggestions.slips(x)) for x in numbers_in(text) if "11" in x.text] == [False, False, True]

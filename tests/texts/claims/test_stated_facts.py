@@ -71,6 +71,7 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         ("On the imaginary axis RK4 reaches 2.8284, and Heun [0].", "imaginary_limit heun2", None),
         ("On the imaginary axis RK4 reaches [2.82].", "imaginary_limit rk4", None),  # cut off
         ("It is stable in a sector of half-angle α: BDF3 has 86.03°, BDF4 [51.84]°.", "angle bdf4", "73.35"),
+        ("Neither RK4 nor Heun's method has [three] stages.", None, None),
         ("On the imaginary axis RK4 reaches 2.8. BDF4 [51.84] is old.", None, None),
     ],
 )  # fmt: skip
@@ -136,6 +137,7 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
     [
         *("It is A-stable", "RK4 is fast", "RK4 is symplectically ill", "RK4 is L", "So RK4 is A-stable?"),
         *("True or false: RK4 is A-stable.", "It is a myth that RK4 is A-stable", "Nobody says that RK4 is A-stable"),
+        "Neither RK4 nor Heun's method is A-stable",
     ],
 )
 def test_nothing_is_read_into_other_words_questions_and_denials(text):
