@@ -39,7 +39,7 @@ from driftproof.texts.writing.records import record
 GivenSystem: TypeAlias = str | Sequence[Sequence[ExactNumber]]
 _Derive: TypeAlias = Callable[[Sequence[str]], dict[str, Any]]
 # Where one of these is printed, the claims of orders are examined.
-_CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order")
+_CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order", "zero_stable", "root_condition")
 
 
 class FactSheet(Printable):
@@ -66,7 +66,7 @@ class FactSheet(Printable):
     def unreached(self) -> tuple[str, ...]:
         """The orders that are claimed and not reached, not even but for rounding, with what may be wrong, in lines.
 
-        It is empty if no order is among the facts that are printed.
+        It is empty if neither an order nor zero-stability is among the facts that are printed.
         """
         lines: list[str] = []
         for found in false_claims(self._claims_of, self._tolerance) if self._claims_of else ():

@@ -18,7 +18,7 @@ from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
-from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
+from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MultistepFacts
 from driftproof.symbolic.linear.printed_digits import RoundedOrder
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
@@ -217,13 +217,13 @@ WHY_NONE = {
 }
 
 
-# For each kind of further method: the class that derives them, their names, and those given on request.
-_FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
-    Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
-    Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
-    Additive: (AdditiveFacts, ADDITIVE_FACTS, ()),
+# For each kind of further method: the class that derives them, and their names.
+_FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...]]] = {
+    Multistep: (MultistepFacts, MULTISTEP_FACTS),
+    Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS),
+    Additive: (AdditiveFacts, ADDITIVE_FACTS),
 }
-OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FURTHER_METHODS.values() for names in known for name in names))
+OTHER_FACTS = tuple(dict.fromkeys(name for _, names in _FURTHER_METHODS.values() for name in names))
 
 
 def derived(method: Entry) -> Any:
@@ -234,16 +234,16 @@ def derived(method: Entry) -> Any:
 def facts_of_further(
     method: FurtherMethod, names: Sequence[str] = (), tolerance: Fraction | None = None
 ) -> dict[str, Any]:
-    """The named facts of a method of `FURTHER_METHODS`, by default all but those on request.
+    """The named facts of a method of `FURTHER_METHODS`, by default all.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.
     """
-    _, known, on_request = _FURTHER_METHODS[type(method)]
+    _, known = _FURTHER_METHODS[type(method)]
     facts = derived(method)
-    if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
+    if others := [name for name in names if name in FACTS and name not in known]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
-    found = facts_by_name(facts, names or known, (*known, *on_request)) | hidden_by_rounding(facts, names)
+    found = facts_by_name(facts, names or known, known) | hidden_by_rounding(facts, names)
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):
             raise ValueError(f"{method.key} is {method.kind}: its order is exact and takes no tolerance")
