@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence, Sized
 from fractions import Fraction
+from itertools import groupby
 from typing import Any
 
 from driftproof.methods.number_field import Algebraic, NumberField
@@ -41,7 +42,7 @@ def facts_text(facts: Mapping[str, Any]) -> str:
     """One line per fact with its name and value; a list or a matrix takes a line per entry or row."""
     rows = []
     for name, value in facts.items():
-        listed = value if _is_list(value) and value else [value]
+        listed = _joined(value) if _is_list(value) and value else [value]
         lines = [*map(fact_text, listed[:MOST_ITEMS_SHOWN]), *filter(None, [_more(listed).removeprefix(", ")])]
         labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
         rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
@@ -118,7 +119,7 @@ class _Text:
         """Numbers and functions as a list in brackets, other values separated by semicolons."""
         if any(map(is_long, values)):
             return self.math(f"[{', '.join(_coefficients(values))}]")
-        entries = [self.of(x) for x in values]
+        entries = [self.of(x) for x in _joined(values)]
         if all(isinstance(x, Fraction | Algebraic | RationalFunction) for x in values):
             return f"[{', '.join(entries)}]" if values else "none"
         return "; ".join(entries)
@@ -130,8 +131,10 @@ class _Text:
             return self.form(found)
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
-        minimal = found["minpoly"] or ""
-        root = f"the root of {self.form(minimal)}" if minimal and len(minimal) <= LONGEST_FORMULA else "a number"
+        minimal, root = found["minpoly"], "a number"
+        if minimal:
+            short = len(minimal) <= LONGEST_FORMULA
+            root = f"the root of {self.form(minimal) if short else f'a polynomial of {len(minimal)} characters'}"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])
@@ -278,6 +281,14 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
     (OrderSet, "order_set"), (LimitPiece, "piece"), (EigenvalueLimit, "eigenvalue"), (RegionBoundary, "boundary"),
     (Exception, "undecided"), (Reduction, "reduction"),
 )  # fmt: skip
+
+
+def _joined(values: Sequence[Any]) -> Sequence[Any]:
+    """The values; of a limit that is the same on several intervals, which only poles divide, once for all of them."""
+    if not all(isinstance(x, LimitPiece) for x in values):
+        return values
+    runs = [list(run) for _, run in groupby(values, key=lambda x: x[1:])]
+    return [run[0]._replace(where=ParameterSet(tuple(x.where for x in run))) for run in runs]
 
 
 def _more(found: Sized) -> str:

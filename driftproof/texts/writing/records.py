@@ -24,7 +24,7 @@ from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
@@ -154,7 +154,6 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
     (linear.ExactFunction, lambda x: x.f.data()),
     (linear.TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),
     (Angle, lambda x: significant(x.exact, PRINTED_DIGITS) if callable(x.exact) else str(x.exact)),
-    (Infinity, lambda x: x.value),
     (Exception, lambda x: {"refused": str(x)}),
 )
 

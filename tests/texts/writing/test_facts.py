@@ -9,6 +9,7 @@ from driftproof.methods.expressions import parse_system
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.number_field import NumberField, square_root
 from driftproof.methods.schemes import RungeKutta
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
 from driftproof.symbolic.linear.a_stability import sector_tangent
@@ -31,6 +32,7 @@ def eigenvalue(key, text, i=0):
 
 TURNED = NumberField("r", (-1, -3, 0, 1), Q(1), Q(2))  # 2 cos(pi/9)
 EVERYWHERE = Interval(None, None, False, False)
+HALVES = Interval(None, ZERO_ROOT, False, False), Interval(ZERO_ROOT, None, False, False)
 ENDS = "(11167507641/1000000000, 5583753821/500000000)"
 RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
 # A fact, as text, as TeX.
@@ -62,6 +64,7 @@ WRITTEN = [
     (sector_tangent(pade(2, 8)), f"a number in {ENDS} = 11.16750764", rf"a number in ${ENDS}$, $\approx 11.1675076$"),
     (FamilyFacts(SDIRK_3).order_sets[3].values.intervals[-1], "{~1.06857902130}", r"$\{\approx 1.06857902130\}$"),
     (LimitPiece(EVERYWHERE, INFINITY), "oo on (-oo, oo)", r"$\infty$ on $(-\infty, \infty)$"),
+    ([LimitPiece(x, INFINITY) for x in HALVES], "oo on (-oo, 0) U (0, oo)", r"on $(-\infty, 0) \cup (0, \infty)$"),
     (LimitPiece(EVERYWHERE, None, "a*x**3 - 2", 1), "positive root 1 of a*x**3 - 2 on (", r"root 1 of $a x^{3}-2$ on"),
     (LimitPiece(EVERYWHERE, None, "a*x - 2", 1, "2/a"), "2/a on (-oo, oo)", r"$\frac{2}{a}$ on $(-\infty, \infty)$"),
 ]  # fmt: skip
