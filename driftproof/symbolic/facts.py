@@ -203,7 +203,8 @@ def hidden_by_rounding(facts: Any, names: Sequence[str]) -> dict[str, Any]:
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
-    **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
+    "sector": f"{_NO_R}, and that of this one has an angle whose equation is too long",
+    **dict.fromkeys(("limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "every stage counts: table and method have the same facts",
     "stability_within_digits": "the method is explicit, its residuals show no rounding, or R has no limit at infinity",
     "imaginary_limit_within_digits": "the method is implicit, the limit is not 0, or it is so but for no rounding",

@@ -25,9 +25,9 @@ from driftproof.symbolic.algebra.polynomials import (
     reflected,
     squarefree,
 )
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots
 from driftproof.symbolic.linear.a_stability import is_hurwitz
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, first_bound, smallest
+from driftproof.symbolic.linear.stability_limits import Limit, first_bound, smallest
 
 
 class RootCondition(NamedTuple):
@@ -116,16 +116,6 @@ def root_condition_limit(a: Polynomial, b: Polynomial, factor: Polynomial = ONE)
     fixed, leading = on_circle(factor), polynomial([as_fraction(p[degree]) for p in (a, b)])
     doubled = interpolate(lambda t: fixed.resultant(a + b * t), fixed.degree())
     return smallest([first_bound(positive_roots(critical), holds).limit, *positive_roots([leading, doubled])])
-
-
-def inside_limit(a: Polynomial, b: Polynomial) -> Limit:
-    """The largest t₀ such that every root of a + t b lies inside the unit circle for every t in (0, t₀)."""
-    degree = max(a.degree(), b.degree())
-    reached = positive_roots(_meeting_the_circle((half_plane_form(a, degree), half_plane_form(b, degree)), degree))
-    first = a + b * samples(reached)[0]
-    if first.degree() < degree or not all_inside(first):
-        return ZERO_ROOT
-    return reached[0] if reached else INFINITY
 
 
 def all_inside(p: Polynomial) -> bool:

@@ -26,7 +26,7 @@ from driftproof.symbolic.facts import (
     hidden_by_rounding,
 )
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
-from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
+from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, Sector, TruncatedSeries
 from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.invariants import QuadraticForm
@@ -170,8 +170,6 @@ def of_number(x: Any) -> Answer | None:
         return Answer("", None, form="oo")
     if isinstance(x, Angle):
         return Answer("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
-    if isinstance(x, EnclosedTangent):
-        return Answer("", x.ball, CERTIFIED)
     if isinstance(x, RealRoot) and x.rational is None:
         form = radical_form(x)
         # A root of degree 2 is given in its quadratic field, so that arithmetic with it stays exact.

@@ -17,7 +17,6 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, exa
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.facts import Reduction
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
-from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, RegionBoundary, TruncatedSeries
 from driftproof.symbolic.linear.families import DIGITS_OF_ENDS, Interval, ParameterSet
@@ -124,17 +123,16 @@ class _Text:
             return f"[{', '.join(entries)}]" if values else "none"
         return "; ".join(entries)
 
-    def number(self, value: RealRoot | EnclosedTangent | NumberField) -> str:
+    def number(self, value: RealRoot | NumberField) -> str:
         """2*sqrt(2) = 2.828..., or the polynomial and the interval if there are no radicals."""
         found = record(value)
         if isinstance(found, str):
             return self.form(found)
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
-        minimal, root = found["minpoly"], "a number"
-        if minimal:
-            short = len(minimal) <= LONGEST_FORMULA
-            root = f"the root of {self.form(minimal) if short else f'a polynomial of {len(minimal)} characters'}"
+        minimal = found["minpoly"]
+        short = len(minimal) <= LONGEST_FORMULA
+        root = f"the root of {self.form(minimal) if short else f'a polynomial of {len(minimal)} characters'}"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])
@@ -275,7 +273,7 @@ class _Tex(_Text):
 
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
-    (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | EnclosedTangent | NumberField, "number"),
+    (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | NumberField, "number"),
     (Imaginary | Complex, "complex_number"), (RationalFunction | ExactFunction | FamilyFunction, "function"),
     (TruncatedSeries, "series"), (LeadingTerm | FamilyTerm, "term"), (Interval | ParameterSet, "interval"),
     (OrderSet, "order_set"), (LimitPiece, "piece"), (EigenvalueLimit, "eigenvalue"), (RegionBoundary, "boundary"),
