@@ -27,11 +27,12 @@ from driftproof.blackbox.findings import (
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
 from driftproof.blackbox.judging.given_steps import GivenSteps
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, OwnSystem
+from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.whole_states import own_time, seen_at
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, refusal, sections
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
@@ -196,12 +197,14 @@ def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], 
     return ""
 
 
-def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> tuple[GivenSteps, str]:
+def _held(
+    subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str, anyway: bool = False
+) -> tuple[GivenSteps, str]:
     """The steps of a built-in system beside the system f(t, y), or f(y), that it should be, which is told in words.
 
     Parameters of the step that the system takes by name are set to the same numbers in both. Raises BadInput for a step
-    with a right-hand side among its arguments, and for slopes of another number; NotOnOwnSystem if the system is
-    another one, and OwnSystem if that is open.
+    with a right-hand side among its arguments, and for slopes of another number; unless `anyway`, NotOnOwnSystem if the
+    system is another one, and OwnSystem if that is open.
     """
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
@@ -215,7 +218,7 @@ def _held(subject: ForeignStepper, wanted: Specification, system: Callable[..., 
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            if unlike := _unlike(reading, slopes, each, unit):
+            if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
                 far.append(unlike)
                 if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
                     break  # of an array that it takes; the size of vectors is a guess
@@ -263,7 +266,7 @@ def _of(
     ask: Callable[[GivenSteps, Specification], Any],
 ) -> Any:
     """The answer to a further question on the system given."""
-    return ask(_held(subject, wanted, system)[0], wanted)
+    return ask(_held(subject, wanted, system, ask is mistakes_on)[0], wanted)
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
@@ -315,22 +318,28 @@ def report_on_system(
         checks.append(_criterion(FIRST_CALL, repeated))
     told = [reply.result.words for reply in found if isinstance(reply.result, Remarked)]
     told += [check.words for reply in found[len(_FURTHER) :] for check in reply.result or () if check.holds is False]
-    passed, verdict = _verdict(key, checks)
+    refuted = first.kind == NotOnOwnSystem.kind or (first.result and not holds)
+    mistakes = (runner.outcome_of(on(ask=mistakes_on)).result or ()) if refuted else ()
+    passed, verdict = _verdict(key, checks, mistakes)
     remarks = [f"remark: {each}" for each in told if passed]
     if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
         verdict = f"{NO_ANSWER}: {words}"
     verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
     parts, data = criteria_parts(checks, passed)
+    parts.append(("One mistake that gives the same steps", mistakes))
     return Report(runner.target.name, verdict, passed, sections(*parts), {**data, "remarks": remarks})
 
 
-def _verdict(key: str, checks: Sequence[Criterion]) -> tuple[bool | None, str]:
-    """Whether a step passes, and what is said of it: the first that failed, or is open, if the step itself is right."""
+def _verdict(key: str, checks: Sequence[Criterion], mistakes: Sequence[str]) -> tuple[bool | None, str]:
+    """Whether a step passes, and what is said of it: the first that failed, or is open, if the step itself is right.
+
+    These mistakes in the method give the steps that are not its own.
+    """
     first, *further = checks
     again = [check for check in further if check.title == FIRST_CALL]
     failed = [check for check in (first, *again, *further) if check.passed is False]
     if failed and failed[0] in (first, *again):
-        return False, f"is not {key}: {failed[0].lines[0]}"
+        return False, refusal(key, mistakes, failed[0].lines[0])
     if failed:
         return False, f"is {key} on the system given{ONLY[failed[0].title]}: {failed[0].lines[0]}"
     if not first.passed:

@@ -24,6 +24,13 @@ def verification(name: str) -> str:
     return f"{first}driftproof verify {named} --method"
 
 
+def refusal(key: str, mistakes: Sequence[str], why: str, on: str = "") -> str:
+    """The verdict on what is not the method, with the first of the mistakes that give its steps, or why alone."""
+    return (
+        f"is not {key}; it is {key}{on} with one mistake: {mistakes[0]}; {why}" if mistakes else f"is not {key}: {why}"
+    )
+
+
 class Basis(Enum):
     """What a stepper is named by: coefficients, all but a few of them, its linear steps only, or nothing."""
 
@@ -145,11 +152,11 @@ def criteria_parts(
 ) -> tuple[list[tuple[str, Sequence[str]]], dict[str, Json]]:
     """The criteria as titles with lines, and as data for programs; if `passed` is None, with what would decide them.
 
-    Criteria that are open for the same reason share a title.
+    Criteria that are open, or failed, for the same reason share a title.
     """
-    alike: dict[tuple[str, object], list[Criterion]] = {}
+    alike: dict[tuple[str, tuple[str, ...]], list[Criterion]] = {}
     for check in checks:
-        alike.setdefault((check.mark, check.lines if check.passed is None else check.title), []).append(check)
+        alike.setdefault((check.mark, check.lines), []).append(check)
     parts: list[tuple[str, Sequence[str]]] = [
         (f"{', '.join([first.title, *(check.title.lower() for check in rest)])}: {first.mark}", first.lines)
         for first, *rest in alike.values()

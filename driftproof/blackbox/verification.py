@@ -19,7 +19,7 @@ from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NotOnOwnSystem
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion
+from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, refusal
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.symbolic.known_methods import EXCHANGED, turned_over
@@ -143,14 +143,14 @@ class Refutation:
     def parts(self) -> list[tuple[str, Sequence[str]]]:
         """The evidence for what the stepper is instead, as titles with lines."""
         report = self.instead.report
+        if self.instead.seen.naming.basis is Basis.NO_ANSWER:  # the criteria say why
+            return [(section.title, section.lines) for section in report.sections if section.title == "What to do"]
         read = report.section("Coefficients") or report.section("One-step matrix")
-        helps = report.section("What to do") if self.instead.seen.naming.basis is Basis.NO_ANSWER else None
         shown = (read, report.section("Faults"), report.section("Not answered"))
         same_steps = [*self.mistakes, *filter(None, [self.seen.right_form])]
         evidence = [(section.title.lower(), section.lines) for section in shown if section]
         named = [("one mistake that gives the same steps", same_steps), *evidence]
-        parts = [(f"Identified instead: {title}", lines) for title, lines in named]
-        return [*parts, *([(helps.title, helps.lines)] if helps else [])]
+        return [(f"Identified instead: {title}", lines) for title, lines in named]
 
     def _departures(self) -> Iterator[str]:
         """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""
@@ -158,7 +158,7 @@ class Refutation:
         rounding, coefficients, nonlinear, order = seen.of_step
         elsewhere = seen.outcomes[criteria.ROUNDING]
         if elsewhere.kind == NotOnOwnSystem.kind and self.instead.seen.naming.basis is not Basis.LINEAR_ONLY:
-            yield f"is not {key}: {elsewhere.seen}"
+            yield refusal(key, self.mistakes, elsewhere.seen, " on the slopes of its shortest steps")
         agrees, stages = "its coefficients agree, but", coefficients.data.get("stages")
         if stages and False in (coefficients.passed, nonlinear.passed):
             yield f"is not {key} {seen.how_near}: {agrees} {stages}"
@@ -206,7 +206,8 @@ class Refutation:
         one_entry = len(coefficients.data.get("differences", ())) == 1 and naming.basis is Basis.NEAR and named
         by_linear_steps = naming.basis is Basis.LINEAR_ONLY and coefficients.passed is False
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
-        if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
+        on_another = seen.outcomes[criteria.ROUNDING].kind == NotOnOwnSystem.kind
+        if self.mistakes and not (one_entry or on_another) and (by_linear_steps or unnamed or naming.reserved or named):
             yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
         if self.instead.seen.read is None and (named or naming.basis is Basis.UNDECIDED):
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"

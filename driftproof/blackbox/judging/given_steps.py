@@ -76,7 +76,7 @@ class GivenSteps(OwnSteps):
         return self.rates(t, y)
 
     @property
-    def _half(self) -> float:
+    def half(self) -> float:
         """The root of u: what is known to it has half of its digits."""
         return sqrt(self.subject.format.u)
 
@@ -95,7 +95,7 @@ class GivenSteps(OwnSteps):
         if STATE not in self.subject.convention.order or self.size % 2:
             return apart
         slopes = [(y, self.rates(0.0, y)) for y in self.states]
-        here, there = (all(np.allclose(to[q], y[v], self._half, 0) for y, to in slopes) for q, v in (apart, turns))
+        here, there = (all(np.allclose(to[q], y[v], self.half, 0) for y, to in slopes) for q, v in (apart, turns))
         return turns if there and not here else apart
 
     @cached_property
@@ -152,7 +152,7 @@ class GivenSteps(OwnSteps):
         """
         jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
         for _ in range(_SAMPLES):
-            z = [self._number(x + self._half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
+            z = [self._number(x + self.half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
             jumps = np.maximum(jumps, np.abs(np.subtract(self.end(t, z, h), self.step(method, t, z, h)) - off))
         return jumps
 
@@ -167,7 +167,7 @@ class GivenSteps(OwnSteps):
             ends = [self._rounded(method, t, y, h, draw) for _ in range(_SAMPLES)]
             allowed = _WORST * np.abs(np.subtract(ends, told)).max(axis=0)
         size = max(map(abs, (*y, *told)))
-        if not allowed.max() <= self._half * size:
+        if not allowed.max() <= self.half * size:
             raise ArithmeticError("rounding leaves less than half of its digits")
         if not method.explicit:
             solved = BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
@@ -178,19 +178,19 @@ class GivenSteps(OwnSteps):
         if not within:
             with suppress(Misbehaviour, ArithmeticError):
                 jumps = _WORST * self._jumps(method, t, y, h, off, draw)
-                small = jumps.max() <= self._half * max(size, *map(abs, self.states[0]))
+                small = jumps.max() <= self.half * max(size, *map(abs, self.states[0]))
                 right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
         at = f" at t = {t:g}" * bool(t)
         wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
-        return Beside(seen, told, self._apart(y, seen, told), wrong * (not right), right and not within)
+        return Beside(seen, told, self.apart(y, seen, told), wrong * (not right), right and not within)
 
     def _whole_turns(self, t: float, one: Beside) -> bool:
         """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
         turns = np.subtract(one.end, one.told) / (2 * pi)
         with suppress(ArithmeticError):  # where a step ends wrongly, there may be no slopes
             slopes, others = self.rates(t, one.end), self.rates(t, one.told)
-            same = np.allclose(slopes, others, self._half, self._half * max(map(abs, others)))
-            return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self._half)
+            same = np.allclose(slopes, others, self.half, self.half * max(map(abs, others)))
+            return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self.half)
         return False
 
     def near(self, wanted: Specification, about: str = "") -> StepFinding:
@@ -208,7 +208,7 @@ class GivenSteps(OwnSteps):
                 found.append(one := self.beside(wanted, t, y, h))
                 if one.wrong:
                     return StepFinding(False, one.wrong)
-                bent = max(bent, h * self._apart(y, self.rates(t, y), self.rates(t + h, one.told)))
+                bent = max(bent, h * self.apart(y, self.rates(t, y), self.rates(t + h, one.told)))
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
         if bent < SEEN_BENT:

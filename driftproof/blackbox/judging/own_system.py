@@ -320,21 +320,26 @@ class OwnSteps:
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 continue
-            found.append(self._apart(y, seen, told))
-            bent = max(bent, h * self._apart(y, *slopes))
+            found.append(self.apart(y, seen, told))
+            bent = max(bent, h * self.apart(y, *slopes))
             if not found[-1] <= allowed:
                 return found[-1], f"a step of {h:g} from {ends_in_words(y, seen, method, told)}"
         if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
         return max(found), ""
 
-    def _apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
+    def apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
         """The largest difference of two ends, each half of a state relative to its own size."""
         halves = self.halves[self.size < 2 :]
         sizes = [max(map(abs, y[half])) or max(map(abs, y)) for half in halves]
         return float(
             max(np.abs(np.subtract(ends[x], others[x])).max() / size for x, size in zip(halves, sizes, strict=True))
         )
+
+    @property
+    def half(self) -> float:
+        """The part to which its steps are known: half of their digits."""
+        return _HALF_THE_DIGITS
 
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step. Raises MethodError, or ArithmeticError if its stages do not settle."""

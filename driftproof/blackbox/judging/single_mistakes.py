@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import chain, islice
+from itertools import chain, islice, product
 from math import isfinite
 from operator import sub
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.judging.nonlinear_problems import capped_exp
-from driftproof.blackbox.probes.coefficients import exact_shown, simple_rational
+from driftproof.blackbox.judging.nonlinear_problems import capped_exp, gives_force_times
+from driftproof.blackbox.judging.own_system import COMPARED, OwnSteps, own_system
+from driftproof.blackbox.judging.programs import Parameter, Program, StepSeen, edits, one_parameter, programs_of
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
+from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.number_field import Exact
+from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import oscillator
 
-Lines: TypeAlias = tuple[str, ...]
-# The coefficients by name: "a" is a list of rows, the others are rows.
-Tables: TypeAlias = dict[str, Any]
 # q, v and h, of ordinary size; h is so large that every coefficient of a method of high order matters.
 _STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
+# When steps start where times are passed: none of the method's own times is 0.
+_START = 0.75
 # Where no method moves, whatever its mistake; a stale slope that is kept does.
 _REST = (0.0, 0.0, 1.0)
 # The factor by which numbers inside a step may exceed its result: coefficients reach 50, and slopes 30.
@@ -40,88 +41,134 @@ MOST_SHOWN = 4
 _MOST_STAGES = 13
 
 
-@dataclass(frozen=True)
-class Program:
-    """The lines of one step as in a paper, but in Python, with the coefficients in `tables`.
-
-    A Runge-Kutta method has the states Y[i] and slopes k[i] of y = (q, v) and ends with y1; a Nyström method has Q[i]
-    and k[i], and ends with q1 and v1; a splitting goes from q[0] and v[0] to q[-1] and v[-1].
-    """
-
-    lines: Lines
-    tables: Tables
-
-    def step(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
-        """The result (q₁, v₁) of the step."""
-        room = [None] * len(self.lines)
-        known: dict[str, Any] = {**self.tables, "h": h, "k": [*room], "Y": [*room], "Q": [*room], "F": force}
-        known |= {"q": q, "v": v} if "c" in self.tables else {"q": [q], "v": [v]}
-        known |= {"y": np.array([q, v]), "f": lambda y: np.array([y[1], force(y[0])])}
-        known |= {"q_only": np.array([1.0, 0.0]), "v_only": np.array([0.0, 1.0])}
-        exec(compile("\n".join(self.lines), "<step>", "exec"), known)
-        if "y1" in known:
-            return float(known["y1"][0]), float(known["y1"][1])
-        return (known["q1"], known["v1"]) if "q1" in known else (known["q"][-1], known["v"][-1])
-
-
 def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
-    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q), and at rest. At most MOST_SHOWN are
-    returned; none if the method is implicit or very long, or if its steps are the subject's.
+    Steps are compared on the system that is built in, q'' = -q or else another one, or on q'' = exp(-2q), and at rest.
+    At most MOST_SHOWN are returned; none if the method is implicit or very long, or if its steps are the subject's.
+    Raises OwnSystem if no slopes of a built-in system are seen.
     """
-    calls = len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
-    if not method.explicit or calls > _MOST_STAGES:
-        return ()
-    force = oscillator if subject.convention.kind == MAP else _wall
-    with suppress(UnsupportedCall):  # what an object keeps from steps of another force is none of the method's
-        subject = subject.fresh(subject.convention.steps)
-    step = subject.step if subject.convention.kind == MAP else lambda *at: subject.step_with(_wall, *at)
+    built_in = subject.convention.kind == MAP
+    found = _usual(subject, method, built_in)
+    own = None if found or not built_in else own_system(subject, ORDINARY_DOMAIN)
+    return found if own is None else mistakes_on(own, Specification(method))
+
+
+def _usual(subject: ForeignStepper, method: Method, built_in: bool) -> tuple[str, ...]:
+    """The mistakes on q'' = -q if that is built in, or on q'' = exp(-2q), which is driven if times are passed."""
     try:
-        rest = oscillator, _REST, subject.step(*_REST)
-        seen = _StepsSeen([*((force, at, step(*at)) for at in _STEPS), rest], Rounding(subject.format, calls))
+        timed = not built_in and gives_force_times(subject)
+        with suppress(UnsupportedCall):  # what an object keeps from steps of another force is none of the method's
+            subject = subject.fresh(subject.convention.steps)
+        taken = [*_taken(subject, built_in, timed)]
     except Misbehaviour:
         return ()
-    program = program_of(method)
-    if seen.are_of(program):
+    rounding = Rounding(subject.format, _calls(method))
+
+    def alike(y: Sequence[float], end: Sequence[float], made: Sequence[float]) -> bool:
+        allowed = _INSIDE * rounding.of(1 + max(map(abs, (*end, *made))))
+        return all(abs(gap) <= allowed for gap in map(sub, made, end))
+
+    seen = _AllSeen(taken, alike, lambda x: _INSIDE * rounding.of(max(1.0, abs(x))), times_read=True)
+    return _found(method, seen, timed=timed)
+
+
+def mistakes_on(steps: OwnSteps, wanted: Specification) -> tuple[str, ...]:
+    """The same for steps of another system, compared to half of their digits, at its times.
+
+    None of a method of kicks and drifts unless q' = v, v' = F(q).
+    """
+    method, taken = of_one_state(wanted.method), list[StepSeen]()
+    with suppress(ArithmeticError):
+        if not isinstance(method, RungeKutta) and (steps.size % 2 or not _of_second_order(steps)):
+            return ()
+        for t, share, y in product(steps.times, COMPARED, steps.states):
+            h = min(share * steps.unit, wanted.domain.largest_step)
+            with suppress(Misbehaviour):
+                taken.append(StepSeen(steps.slopes, t, y, h, steps.end(t, y, h)))
+        alike = lambda y, end, made: steps.apart(y, end, made) <= steps.half
+        seen = _AllSeen(taken, alike, lambda x: steps.half * _INSIDE * max(1.0, abs(x)))
+        return _found(method, seen, steps.halves, steps.timed) if taken else ()
+    return ()
+
+
+def _of_second_order(steps: OwnSteps) -> bool:
+    """True if q' = v, v' = F(q) to half of the digits. Raises ArithmeticError where its slopes are not smooth."""
+    q, v = steps.halves
+    for y in map(np.array, steps.states):
+        faster = y.copy()
+        faster[v] *= 2
+        here, there = (np.array(steps.slopes(0.0, at.tolist())) for at in (y, faster))
+        if not (np.allclose(here[q], y[v], steps.half) and np.allclose(here[v], there[v], steps.half)):
+            return False
+    return True
+
+
+def _taken(subject: ForeignStepper, built_in: bool, timed: bool) -> Iterator[StepSeen]:
+    """Yield steps on the system that is built in, or on a wall that moves if it is `timed`, and one at rest."""
+    start = _START * timed
+
+    def force(t: AnyNumber, q: AnyNumber) -> float:
+        return -float(q) if built_in else float(capped_exp(-2 * q)) * (1 + float(t) * timed)
+
+    for q, v, h in _STEPS:
+        end = (
+            subject.step(q, v, h) if built_in else subject.step_forced(lambda t, x: [force(t, *x)], start, [q], [v], h)
+        )
+        yield StepSeen(lambda t, y: [y[1], force(t, y[0])], start, (q, v), h, end)
+    yield StepSeen(lambda t, y: [y[1], -y[0]], 0.0, _REST[:2], _REST[2], subject.step(*_REST))
+
+
+def _found(method: Method, seen: _AllSeen, halves: Any = Program.halves, timed: bool = False) -> tuple[str, ...]:
+    """The mistakes of the method's programs that give these steps; none if one of them gives them without any."""
+    if not method.explicit or _calls(method) > _MOST_STAGES:
         return ()
-    edited = (words for words, lines in _edits(method, program.lines) if seen.are_of(replace(program, lines=lines)))
-    solved = map(seen.solved, _one_parameter(method, program))
-    return tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN))
+    programs, pair = [replace(each, halves=halves) for each in programs_of(method, timed)], len(seen.steps[0].y) == 2
+    if any(map(seen.are_of, programs)):
+        return ()
+    # Times that are passed are read with the coefficients, which say more of them.
+    read = ["c"] * (timed and seen.times_read and not isinstance(method, Nystrom))
+    for program in programs:
+        edited = (words for words, lines in edits(method, program, pair) if seen.are_of(replace(program, lines=lines)))
+        solved = (seen.solved(each) for each in one_parameter(method, program) if each.name not in read)
+        if found := tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN)):
+            return found  # in another form it would be the same mistake
+    return ()
 
 
-def _wall(q: float) -> float:
-    return float(capped_exp(-2 * q))
+def _calls(method: Method) -> int:
+    return len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
 
 
 @dataclass(frozen=True)
-class _StepsSeen:
-    """Steps that the subject takes: the force of each, where it goes from with h, and its end."""
+class _AllSeen:
+    """Steps that the subject takes; whether an end that is made from y is alike; how exactly a number x is known."""
 
-    steps: Sequence[tuple[Callable[[float], float], tuple[float, float, float], Sequence[float]]]
-    rounding: Rounding
+    steps: Sequence[StepSeen]
+    alike: Callable[[Sequence[float], Sequence[float], Sequence[float]], bool]
+    known_to: Callable[[float], float]
+    times_read: bool = False
 
     def are_of(self, program: Program) -> bool:
-        """True if the program takes these steps, to rounding."""
-        for force, at, end in self.steps:
-            with np.errstate(all="ignore"):
-                made = program.step(force, *at)
-            allowed = _INSIDE * self.rounding.of(1 + max(map(abs, (*end, *made))))
-            if not all(abs(gap) <= allowed for gap in map(sub, made, end)):
-                return False
-        return True
+        """True if the program takes these steps."""
+        with np.errstate(all="ignore"), suppress(ArithmeticError):
+            return all(self.alike(each.y, each.end, program.end(each)) for each in self.steps)
+        return False
 
-    def solved(self, one: _Parameter) -> str:
-        """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
+    def solved(self, one: Parameter) -> str:
+        """The x for which one step is the one seen, by the secant method, in words; "" if other steps differ.
 
-        force, at, end = self.steps[0]
+        That is a step at a late time: at t = 0, forces such as cos(t) hardly change.
+        """
+        first = max(self.steps, key=lambda each: each.t)
 
         def gap(x: float, m: int) -> float:
-            return one.at(x).step(force, *at)[m] - end[m]
+            return one.at(x).end(first)[m] - first.end[m]
 
-        start = 1.0 if one.scaled else one.row[one.chosen[0]]
-        with np.errstate(all="ignore"):
-            for m in (1, 0):
+        start = 1.0 if one.scaled else float(one.row[one.chosen[0]])
+        with np.errstate(all="ignore"), suppress(ArithmeticError):
+            apart = np.abs(np.subtract(one.program.end(first), first.end))
+            for m in np.argsort(-apart)[:2].tolist():
                 x, before = start, start + _ASIDE
                 off, off_before = gap(x, m), gap(before, m)
                 for _ in range(_ROUNDS):
@@ -130,168 +177,6 @@ class _StepsSeen:
                     x, before = x - off * (x - before) / (off - off_before), x
                     off, off_before = gap(x, m), off
                 if x != start and self.are_of(one.at(x)):
-                    found = simple_rational(x, _INSIDE * self.rounding.of(max(1.0, abs(x))))
+                    found = simple_rational(x, self.known_to(x))
                     return one.words.format(f"{x:.12g}" if found is None else found)
         return ""
-
-
-def program_of(method: Method) -> Program:
-    """The program of an explicit method, as its definition says."""
-
-    def row(numbers: Sequence[Exact]) -> list[float]:
-        return [float(x) for x in numbers]
-
-    if isinstance(method, Splitting):
-        return Program(_splitting_lines(range(len(method.parts)), method), {"d": row([x for _, x in method.parts])})
-    assert isinstance(method, RungeKutta | Nystrom)
-    tables: Tables = {"a": [row(each) for each in method.a], "c": row(method.c)}
-    lines: list[str] = []
-    for i, weights in enumerate(method.a):
-        pushes = _sum(f"a[{i}]", weights)
-        if isinstance(method, RungeKutta):
-            lines += [f"Y[{i}] = y" + f" + h * {pushes}" * bool(pushes), f"k[{i}] = f(Y[{i}])"]
-        else:
-            lines += [f"Q[{i}] = q + h * c[{i}] * v" + f" + h * h * {pushes}" * bool(pushes), f"k[{i}] = F(Q[{i}])"]
-    if isinstance(method, RungeKutta):
-        return Program((*lines, f"y1 = y + h * {_sum('b', method.b)}"), {**tables, "b": row(method.b)})
-    tables |= {"b_position": row(method.b_position), "b_velocity": row(method.b_velocity)}
-    moved = f"v1 = v + h * {_sum('b_velocity', method.b_velocity)}"
-    return Program((*lines, moved, f"q1 = q + h * v + h * h * {_sum('b_position', method.b_position)}"), tables)
-
-
-def _sum(row: str, weights: Sequence[Exact]) -> str:
-    terms = [f"{row}[{j}] * k[{j}]" for j, x in enumerate(weights) if x != 0]
-    return f"({' + '.join(terms)})" if terms else ""
-
-
-def _splitting_lines(order: Sequence[int], method: Splitting) -> Lines:
-    """The lines of the sub-steps in this order, each with the latest q and v."""
-    lines, passed = [], {"q": 0, "v": 0}
-    for i in order:
-        x = "v" if method.parts[i][0] == "kick" else "q"
-        slope = f"F(q[{passed['q']}])" if x == "v" else f"v[{passed['v']}]"
-        lines.append(f"{x} += [{x}[{passed[x]}] + h * d[{i}] * {slope}]")
-        passed[x] += 1
-    return tuple(lines)
-
-
-def _shown(line: str) -> str:
-    """The line as it is shown: for a splitting, "new q = q[0] + ..." in place of "q += [q[0] + ...]"."""
-    return re.sub(r"^([qv]) \+= \[(.*)\]$", r"new \1 = \2", line)
-
-
-def _edits(method: Method, program: Lines) -> Iterator[tuple[str, Lines]]:
-    """Yield the mistakes in a line, in the order of sub-steps, or in when the state is advanced, with all lines."""
-    for at, line in enumerate(program):
-        before = program[:at]
-        wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
-        for words, *lines in wrong:
-            yield words, (*before, *lines, *program[at + 1 :])
-    if isinstance(method, Splitting):
-        for i in range(len(method.parts) - 1):
-            order = [*range(i), i + 1, i, *range(i + 2, len(method.parts))]
-            words = f"{method.parts[i][0]} {i} and {method.parts[i + 1][0]} {i + 1} are exchanged"
-            yield words, _splitting_lines(order, method)
-    else:
-        yield from _too_early(program, method.stages, isinstance(method, RungeKutta))
-
-
-def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
-    for found in re.finditer(r"\bh \* ", line):
-        yield f"h is missing in {_shown(line)}", line[: found.start()] + line[found.end() :]
-        yield f"h appears twice in {_shown(line)}", line[: found.end()] + line[found.start() :]
-
-
-def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
-    """Yield the wrong factors of h in the position alone and in the velocity alone, for a state that has both."""
-    for words, wrong in _wrong_factors(line) if line[0] in "Yy" else ():
-        name, _, right = line.partition(" = ")
-        for x, other in ("qv", "vq"):
-            mixed = f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only"
-            yield f"in the {x}, {words}", line, mixed
-
-
-def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
-    """Yield the line with one slope or state replaced by each other one that is known there."""
-    for found in re.finditer(r"(?<=.)\b([kYQqv])\[(\d+)\]", line):
-        known = sum(each.startswith((f"{found[1]}[", f"{found[1]} +=")) for each in before) + (found[1] in "qv")
-        for j in set(range(known)) - {int(found[2])}:
-            wrong = f"{line[: found.start()]}{found[1]}[{j}]{line[found.end() :]}"
-            yield f"{_shown(wrong)} in place of {_shown(line)}", wrong
-
-
-def _left_out(line: str) -> Iterator[tuple[str, ...]]:
-    """Yield the line with nothing added to a state, or to one component of a state that has two."""
-    if line[0] in "Yy":
-        name = line.partition(" = ")[0]
-        for x, other in ("qv", "vq"):
-            kept = f"{name} = y * {x}_only + {name} * {other}_only"
-            yield f"the {x} of {name} is left as it is in y", line, kept
-    elif line[0] != "k":
-        start = line.partition(" + ")[0]
-        yield f"{_shown(line)} is left out", start + "]" * ("[" in start.partition("=")[2])
-
-
-def _too_early(lines: Lines, stages: int, runge_kutta: bool) -> Iterator[tuple[str, Lines]]:
-    """Yield the lines that advance the state, or one component of it, while stages are still formed from it."""
-    if not runge_kutta:
-        yield "v1 moves the position in place of v", (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
-    y, weights = ("y", "h * b") if runge_kutta else ("q", "h * h * b_position")
-    for i in range(stages):
-        early = f"{y} + {weights}[{i}] * k[{i}]"
-        for words, starts in (("stages", "YQ"), ("stages and the result", "YQyq")):
-            wrong = [each.replace(f" = {y}", f" = ({early})", 1) if each[0] in starts else each for each in lines]
-            pairs = enumerate(zip(lines, wrong, strict=True))
-            formed = tuple(late if n // 2 > i else line for n, (line, late) in pairs)
-            yield f"after k[{i}], {words} are formed from {early}", formed
-        for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
-            if weight in "".join(lines):
-                turns = (
-                    f"Y[{i}] = Y[{i}] + h * {weight} * k[{i}] * q_only",
-                    f"k[{i}] = k[{i}] * q_only + f(Y[{i}]) * v_only",
-                )
-                words = f"in k[{i}], the position moves by h {weight} k[{i}] before the velocity's slope is taken"
-                yield words, (*lines[: 2 * i + 2], *turns, *lines[2 * i + 2 :])
-
-
-@dataclass(frozen=True)
-class _Parameter:
-    """Programs with a parameter x: the `chosen` numbers of a row are x, or, if `scaled`, x times the method's."""
-
-    words: str
-    program: Program
-    name: str
-    i: int | None
-    chosen: tuple[int, ...]
-    scaled: bool
-
-    @property
-    def row(self) -> list[float]:
-        table: Any = self.program.tables[self.name]
-        return list(table if self.i is None else table[self.i])
-
-    def at(self, x: float) -> Program:
-        row = [(y * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]
-        table = self.program.tables[self.name]
-        rows = row if self.i is None else [*table[: self.i], row, *table[self.i + 1 :]]
-        return replace(self.program, tables={**self.program.tables, self.name: rows})
-
-
-def _one_parameter(method: Method, program: Program) -> Iterator[_Parameter]:
-    """Yield each coefficient that is not 0, and each row as a whole; for splittings all kicks, and all drifts."""
-    parts = method.parts if isinstance(method, Splitting) else ()
-    rows: list[tuple[str, int | None, Sequence[Exact]]] = [("d", None, [x for _, x in parts])] if parts else []
-    if not parts:
-        rows = [("a", i, row) for i, row in enumerate(getattr(method, "a", ()))]
-        names = ("b",) if isinstance(method, RungeKutta) else ("c", "b_position", "b_velocity")
-        rows += [(name, None, getattr(method, name)) for name in names]
-    for name, i, exact in rows:
-        there = tuple(j for j, x in enumerate(exact) if x != 0)
-        row = name if i is None else f"{name}[{i}]"
-        for j in there:
-            place = f"{parts[j][0]} {j}" if parts else f"{row}[{j}]"
-            yield _Parameter(f"{place}: {{}} instead of {exact_shown(exact[j])}", program, name, i, (j,), scaled=False)
-        groups = {f"all {kind}s": tuple(j for j in there if parts[j][0] == kind) for kind in ("kick", "drift") if parts}
-        for words, chosen in (groups or {f"all of {row}": there}).items():
-            if len(chosen) > 1:
-                yield _Parameter(f"{words} times {{}}", program, name, i, chosen, scaled=True)

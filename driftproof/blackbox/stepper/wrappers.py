@@ -53,6 +53,8 @@ def template(step: Callable[..., Any]) -> str:
         )
         taken = ", ".join(filter(None, ("f", state, calling.size_name(names))))
         return f"{_WITHOUT}{name}({taken}): ..."
+    if len(names) == 2:
+        return f": wrapped = lambda y, h: {name}(y, h)  # where {names[0]} is its state and {names[1]} its step size"
     return f"{OWN_STEP} that calls it with its state"
 
 

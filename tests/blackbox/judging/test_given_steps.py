@@ -154,7 +154,7 @@ REFUTED = {
     "a constant": (on(lambda t, y: pendulum(t, y, G * (1 + 1e-12))), "rk4", pendulum, "is not rk4: a step of 0.0625"),
     "a weight": (on(pendulum, last=1 / 6 + 1e-10), "rk4", pendulum, "is not rk4: a step of"),
     "a small term": (on(lambda t, y: [y[1], -y[0]]), "rk4", cubic, "is not rk4: a step of"),
-    "old velocities after positions": (in_turn(True), "symplectic_euler", two_springs, "is not symplectic_euler: a"),
+    "old velocities after positions": (in_turn(True), "symplectic_euler", two_springs, "symplectic_euler with one"),
     "a clock": (with_its_clock_ignored, "forward_euler", driven, "a step of 0.25 at t = 0.75 from"),
     "a border": (
         on(pendulum, lambda y, h: (np.clip(y, -3, 3), h)), "rk4", pendulum,

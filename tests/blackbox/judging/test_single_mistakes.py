@@ -1,26 +1,18 @@
 """One wrong line and one wrong coefficient are found in programs that somebody else wrote, and none in right ones."""
 
+import numpy as np
 import pytest
 
-from driftproof import stepper_of
-from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, program_of, single_mistakes
+from driftproof import stepper_of, verify
+from driftproof.blackbox.judging.given_steps import GivenSteps
+from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, mistakes_on, single_mistakes
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.transcripts import Asked
-from tests.looping import some
 
 THIRTEEN = codes.floats(METHODS["fehlberg78"])
-EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
-
-
-def test_the_programs_are_the_methods():
-    for key in some(EXPLICIT, 60):
-        step, program = stepper(METHODS[key], float), program_of(METHODS[key])
-        for force in (oscillator, lambda q: 1 + q * q):
-            made, said = program.step(force, 0.5, -0.25, 0.125), step(force, 0.5, -0.25, 0.125)
-            assert made == pytest.approx(said, rel=1e-13), key
 
 
 def rk4_with(slope=None, base=None, end=None):
@@ -60,7 +52,7 @@ def nystrom4_with_new_velocity(force, q, v, h):
 
 WRONG = {
     "reused": (rk4_with(slope=lambda f, t, y, h, k2: k2), "rk4"),
-    "twice as far": (rk4_with(slope=lambda f, t, y, h, k2: f(t, y + h * k2)), "rk4"),
+    "twice as far": (rk4_with(slope=lambda f, t, y, h, k2: f(t + h / 2, y + h * k2)), "rk4"),
     "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4"),
     "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4"),
     "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4"),
@@ -85,6 +77,11 @@ def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, as_befor
     found = single_mistakes(opened(asked.code), METHODS[key])
     assert 0 < len(found) <= MOST_SHOWN
     as_before(*found, asked)
+
+
+def test_a_second_slip_in_a_time_is_not_passed_over():
+    two = rk4_with(slope=lambda f, t, y, h, k2: f(t, y + h * k2))
+    assert single_mistakes(opened(two), METHODS["rk4"]) == ()
 
 
 class NeverPushedAgain:
@@ -120,3 +117,91 @@ def test_nothing_is_said_of_a_right_step_or_of_one_that_is_far_off(step, key):
     subject = opened(codes.rk4)
     subject.function = gives_up
     assert single_mistakes(subject, METHODS["heun2"]) == ()
+
+
+def driven(t, y):
+    """A pendulum that is damped and driven."""
+    return np.array([y[1], -np.sin(y[0]) - 0.1 * y[1] + 0.5 * np.cos(0.7 * t)])
+
+
+def swung(t, y):
+    """Two pendulums, one of them driven."""
+    return np.array([*y[2:], -np.sin(y[0]), 0.5 * np.cos(0.7 * t) - y[1]])
+
+
+def epidemic(y):
+    """Susceptible, infected and removed."""
+    return np.array([-0.3 * y[0] * y[1], 0.3 * y[0] * y[1] - 0.1 * y[1], 0.1 * y[1]])
+
+
+def rk4_of(times, halved=(0.5, 0.5)):
+    def step(t, y, h):
+        k1 = driven(t + times[0] * h, y)
+        k2 = driven(t + times[1] * h, y + halved[0] * h * k1)
+        k3 = driven(t + times[2] * h, y + halved[1] * h * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + driven(t + times[3] * h, y + h * k3))
+
+    return step
+
+
+def verlet_of(moved=0.5, kicks=(0.5, 0.5), late=1.0):
+    def step(q, v, t, h):
+        force = lambda q, t: swung(t, [*q, *v])[2:]
+        a = force(q, t)
+        q = q + h * v + moved * h * h * a
+        return q, v + h * (kicks[0] * a + kicks[1] * force(q, t + late * h))
+
+    return step
+
+
+def heun(y, dt):
+    k1 = epidemic(y)
+    return y + dt / 3 * (k1 + epidemic(y + dt * k1))
+
+
+SHOWN = "on the slopes of its shortest steps "
+BUILT_IN = {
+    "all at t": (rk4_of([0, 0, 0, 0]), "rk4", driven, "all of c times 0", SHOWN),
+    "last at half": (rk4_of([0, 0.5, 0.5, 0.5]), "rk4", driven, "c[3]: 1/2 instead of 1", SHOWN),
+    "half forgotten": (rk4_of([0, 0.5, 0.5, 1], (0.5, 1.0)), "rk4", driven, "a[2][1]: 1 instead of 1/2", SHOWN),
+    "no half in q": (
+        verlet_of(moved=1.0),
+        "velocity_verlet",
+        swung,
+        "the weight of k[0] in q1: 1 instead of 1/2",
+        SHOWN,
+    ),
+    "second kick at t": (verlet_of(late=0.0), "velocity_verlet", swung, "the time of kick 2: 0 instead of 1", SHOWN),
+    # Slopes that short steps show are then not those that the code has.
+    "no half in v": (verlet_of(kicks=(1, 1)), "velocity_verlet", swung, "all of b_velocity times 2", ""),
+    "a third": (heun, "heun2", epidemic, "all of b times 2/3", ""),
+}
+
+
+@pytest.mark.slow(keep=2)
+@pytest.mark.parametrize(("step", "key", "system", "words", "shown"), BUILT_IN.values(), ids=BUILT_IN)
+def test_the_mistake_is_named_where_another_system_is_built_in(step, key, system, words, shown):
+    given = verify(step, key, system=system, isolate=False)
+    assert given.verdict.startswith(f"is not {key}; it is {key} with one mistake: {words};")
+    assert given.section("One mistake that gives the same steps").lines[0] == words
+    found = verify(step, key, isolate=False).verdict
+    assert found.startswith(
+        f"is not {key}; it is {key} {shown}with one mistake: {words};" if shown else f"is not {key}"
+    )
+    assert shown or words not in found
+
+
+def pushed(q, v, h):
+    """A damped oscillator by kicks that see the velocity, and a drift that is too long."""
+    v = v + h / 2 * (-q - 0.1 * v)
+    q = q + 1.25 * h * v
+    return q, v + h / 2 * (-q - 0.1 * v)
+
+
+def test_no_mistake_is_sought_where_kicks_and_drifts_are_not_apart_or_steps_are_right():
+    damped = GivenSteps(opened(pushed), [(1.0, 0.5), (0.5, -0.75)], 1.0, lambda t, y: [y[1], -y[0] - 0.1 * y[1]])
+    assert mistakes_on(damped, Specification(METHODS["velocity_verlet"])) == ()
+    right = GivenSteps(opened(codes.velocity_verlet), damped.states, 1.0, lambda t, y: [y[1], -y[0]])
+    assert mistakes_on(right, Specification(METHODS["velocity_verlet"])) == ()
+    assert mistakes_on(right, Specification(METHODS["symplectic_euler"])) == ()
+    assert mistakes_on(right, Specification(METHODS["gauss2"])) == ()
