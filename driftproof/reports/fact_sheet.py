@@ -28,7 +28,6 @@ from driftproof.symbolic.facts import (
     hidden_by_rounding,
     order_within,
 )
-from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import TERMS, facts_by_name
 from driftproof.symbolic.linear.systems import facts_on_system
 from driftproof.texts.writing.fact_groups import grouped_facts_text
@@ -190,8 +189,7 @@ def facts(
     if isinstance(subject, Family):
         if system or order_tolerance is not None:
             raise ValueError(f"{subject.key} is a family; choose one method with `at`, a value of {subject.parameter}")
-        of_family = FamilyFacts(subject)
-        return FactSheet(lambda asked: facts_by_name(of_family, asked or FAMILY_FACTS, FAMILY_FACTS), names)
+        return FactSheet(lambda asked: facts_of_further(subject, asked), names)
     tolerance = None if order_tolerance is None else exact_number(order_tolerance, "order tolerance")
     if isinstance(subject, FurtherMethod):
         if system:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, FurtherMethod
+from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
@@ -17,6 +18,7 @@ from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
+from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MultistepFacts
 from driftproof.symbolic.linear.printed_digits import RoundedOrder
@@ -218,8 +220,9 @@ WHY_NONE = {
 }
 
 
-# For each kind of further method: the class that derives them, and their names.
+# For families and each kind of further method: the class that derives them, and their names.
 _FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...]]] = {
+    Family: (FamilyFacts, FAMILY_FACTS),
     Multistep: (MultistepFacts, MULTISTEP_FACTS),
     Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS),
     Additive: (AdditiveFacts, ADDITIVE_FACTS),
@@ -227,15 +230,15 @@ _FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...]]] = 
 OTHER_FACTS = tuple(dict.fromkeys(name for _, names in _FURTHER_METHODS.values() for name in names))
 
 
-def derived(method: Entry) -> Any:
+def derived(method: Entry | Family) -> Any:
     """The facts of the class for methods of this kind, such as `Facts`."""
     return Facts(method) if isinstance(method, Method) else _FURTHER_METHODS[type(method)][0](method)
 
 
 def facts_of_further(
-    method: FurtherMethod, names: Sequence[str] = (), tolerance: Fraction | None = None
+    method: FurtherMethod | Family, names: Sequence[str] = (), tolerance: Fraction | None = None
 ) -> dict[str, Any]:
-    """The named facts of a method of `FURTHER_METHODS`, by default all.
+    """The named facts of a family, or of a method of `FURTHER_METHODS`, by default all.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.

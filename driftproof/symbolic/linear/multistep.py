@@ -48,9 +48,9 @@ from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
     on_circle,
+    reciprocal,
     root_condition,
     root_condition_limit,
-    turned,
     valuation,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
@@ -256,7 +256,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         rho, sigma = self._irreducible
         on = on_circle(self._common)
         on = quotient(on, greatest_common_divisor(on, sigma))
-        real = rho * turned(sigma, rho.degree()) + turned(rho, rho.degree()) * sigma
+        real = rho * reciprocal(sigma, rho.degree()) + reciprocal(rho, rho.degree()) * sigma
         return bool(greatest_common_divisor(on, real).degree() > 0)
 
     def _sector_tangent(self) -> Limit:

@@ -80,14 +80,14 @@ def _largest_multiplicity(p: Polynomial) -> int:
     return found
 
 
-def turned(p: Polynomial, degree: int) -> Polynomial:
+def reciprocal(p: Polynomial, degree: int) -> Polynomial:
     """The polynomial ζᵏ p(1/ζ), k = `degree`."""
     return fmpq_poly([p[degree - k] for k in range(degree + 1)])
 
 
 def on_circle(p: Polynomial) -> Polynomial:
     """The factor of the roots on the unit circle, for a p without roots outside it."""
-    return greatest_common_divisor(p, turned(p, p.degree()))
+    return greatest_common_divisor(p, reciprocal(p, p.degree()))
 
 
 def root_condition_limit(a: Polynomial, b: Polynomial, factor: Polynomial = ONE) -> Limit:
