@@ -191,8 +191,6 @@ def test_no_sector_for_polynomials_and_for_what_is_unstable_at_infinity() -> Non
 def test_bits_of_the_critical_polynomial_are_estimated_from_degrees_and_coefficients() -> None:
     functions = (pade(0, 3), pade(1, 4), stability_function(sdirk(Q(1, 2) - ROOT_3 / 6)))
     assert [critical_bits(ray_margin(r)) for r in functions] == [1458, 9464, 250]
-
-
-def test_no_sector_is_told_whose_equation_is_too_long() -> None:
+    # None is told whose equation is too long.
     assert critical_bits(ray_margin(pade(2, 10))) > LARGEST_CRITICAL_BITS
     assert sector_tangent(pade(2, 10)) is None
