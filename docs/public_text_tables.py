@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from docs.pages import TABLE, rows_of
-from driftproof.texts.claims.known_values import questions_in
-from driftproof.texts.claims.phrases import NumberForm, Phrase
-from driftproof.texts.claims.spellings import form_of
+from driftproof.texts.claims.phrases import NumberForm, Phrase, form_of
+from driftproof.texts.claims.possible_values import questions_in
 from driftproof.texts.questions.decimals import HALF_AWAY, HALF_EVEN
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.canonical import canonical_text

@@ -18,16 +18,15 @@ from driftproof.texts.claims.contradictions import methods_asked, methods_named,
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
-from driftproof.texts.claims.phrases import Phrase
-from driftproof.texts.claims.properties import Said, properties_in
-from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.phrases import Phrase, digits_of
+from driftproof.texts.claims.stated_facts import Said, properties_in
 from driftproof.texts.claims.stated_problems import equations_in, parameters_in
 from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.number_words import whole_numbers_in
-from driftproof.texts.readers.numbers import TextNumber
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 80
@@ -76,9 +75,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     text = document.text.text
     printed = [(one.program.text, document.span(one.printed)) for one in listings_in(document) if one.printed]
     suggestions = Suggestions(text, asked, printed)
-    search = PhraseSearch(text, suggestions.words)
+    search = PhraseSearch(text)
     equations = {at: span for span in equations_in(text) for at in range(*span)}
-    unlabelled, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
+    unlabelled, letters = [number for number in numbers_in(text) if number.label is None], parameters_in(text)
     numbers = sorted((*unlabelled, *suggestions.words), key=lambda one: one.start)
     members = [Member.of(number, suggestions, text, equations, letters) for number in numbers]
     code = {at for span in document.code for at in range(*span)}
@@ -147,10 +146,7 @@ def _given(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
     for phrase in dict.fromkeys(as_phrase(text[start:end].strip()) for start, end in sorted(spans)):
         with suppress(ValueError):  # too long
             if count := len(Phrase.of(phrase).exact({}).findall(text)):
-                ids[phrase] += 1
-                yield f"[[claim]]\nid = {_quoted(phrase)}\nphrase = {_quoted(phrase)}\n" + (
-                    f"count = {count}\n" * (count > 1) + 'given = "the text chooses it"\n'
-                )
+                yield "\n".join([*_entry(phrase, ids, phrase, count), 'given = "the text chooses it"', ""])
 
 
 def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
@@ -166,12 +162,9 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
         said_so = Phrase.of(as_phrase(phrase))
         count, given = len(said_so.exact({}).findall(text)), 'given = "said of the method, not of the property"'
         for said in found if count and all(one.holds for one in found) else ():
-            ids[phrase] += 1
-            name = f"{phrase} ({ids[phrase]})" if ids[phrase] > 1 else phrase
-            lines = [f"id = {_quoted(name)}", f"phrase = {_quoted(as_phrase(phrase))}"]
-            lines += [f"count = {count}"] * (count > 1) + [f"value = {_quoted(said.question)}"]
+            lines = [*_entry(phrase, ids, as_phrase(phrase), count), f"value = {_quoted(said.question)}"]
             lines += ['answer = "no"'] * (said.answer == "no") + [given] * bool(said_so.free_numbers)
-            yield "\n".join(["[[claim]]", *lines, ""])
+            yield "\n".join([*lines, ""])
             if count > 1:
                 break
 
@@ -199,9 +192,7 @@ def _claim(
     if valued or chosen:
         asked = ", ".join(member.alike[0].question for member in group if member.strong)
         place = asked if asked and len(asked) <= _LONGEST_ID else phrase
-        ids[place] += 1
-        place += f" ({ids[place]})" if ids[place] > 1 else ""
-    lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
+    lines = _entry(place, ids, phrase, count)
     lines += [f"{x} = {_quoted(said)}" for x, said in zip(("row", "column"), address[:2], strict=True) if said]
     lines += [f"column = [{', '.join(map(_quoted, address.columns))}]"] * bool(address.columns)
     if valued or chosen:
@@ -211,6 +202,13 @@ def _claim(
     else:
         lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
     return "".join([*dict.fromkeys(member.remark(line) for member in group), *(f"{line}\n" for line in lines)])
+
+
+def _entry(name: str, ids: Counter[str], phrase: str, count: int) -> list[str]:
+    """The first lines of a claim of this name, which has a number if others have it, and of its phrase."""
+    ids[name] += 1
+    name += f" ({ids[name]})" if ids[name] > 1 else ""
+    return ["[[claim]]", f"id = {_quoted(name)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
 
 
 def _asked_line(document: Document, missed: Missed) -> str:

@@ -28,15 +28,13 @@ from driftproof.texts.claims.contradictions import (
     with_names_settled,
 )
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
-from driftproof.texts.claims.known_values import KnownValue
 from driftproof.texts.claims.named_places import NamedPlaces
-from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, spelled
 from driftproof.texts.claims.places import (
     COMPARED,
     asked_quantity,
 )
-from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, usual
-from driftproof.texts.claims.spellings import digits_of, form_of, spelled
+from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, KnownValue, usual
 from driftproof.texts.claims.stated_facts import (
     fact_of,
     fact_said,

@@ -14,7 +14,7 @@ from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.heads import is_head_of
 from driftproof.texts.claims.look_alikes import LookAlike
-from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.phrases import digits_of
 from driftproof.texts.claims.stated_questions import LIMIT
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import TextNumber

@@ -20,15 +20,14 @@ from driftproof.texts.claims.contradictions import (
     sentence_around,
 )
 from driftproof.texts.claims.heads import is_head_of, leaves_quantity
-from driftproof.texts.claims.known_values import KnownValue
+from driftproof.texts.claims.phrases import digits_of
 from driftproof.texts.claims.places import (
     Place,
     asked_quantity,
     asked_settings,
     place_of,
 )
-from driftproof.texts.claims.possible_values import PossibleValues
-from driftproof.texts.claims.spellings import digits_of
+from driftproof.texts.claims.possible_values import KnownValue, PossibleValues
 from driftproof.texts.claims.stated_problems import speeds_named
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of

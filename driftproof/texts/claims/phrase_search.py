@@ -9,7 +9,7 @@ from driftproof.texts.claims.contradictions import begins_with_method, methods_n
 from driftproof.texts.claims.members import Group
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
-from driftproof.texts.readers.numbers import TextNumber, numbers_in
+from driftproof.texts.readers.numbers import numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
 # method is looked for, which the phrase of a value names.
@@ -20,16 +20,10 @@ _BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 
 
 class PhraseSearch:
-    """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
+    """The phrases of one text, each with the places where it stands, which are searched for once."""
 
-    def __init__(self, text: str, words: Iterable[TextNumber] = ()) -> None:
-        """Take a text, and its numbers in words that may be values."""
-        self.tables = tables_of(text)
-        self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
-        self._starts: dict[str, list[int]] = {}
-        for number in sorted((*self.numbers, *words), key=lambda one: one.start):
-            self._starts.setdefault(number.text, []).append(number.start)
-        self._alike: dict[tuple[int, int, str], dict[str, list[int]]] = {}
+    def __init__(self, text: str) -> None:
+        self.text, self.flat, self.tables = text, text.replace("\n", " "), tables_of(text)
         self._stands: dict[tuple[str, str], set[int]] = {}
 
     def phrase(self, room: list[int], group: Group, bound: bool = False) -> tuple[str, set[int], Address]:
@@ -118,21 +112,11 @@ class PhraseSearch:
                 return stands
             strong = [member.number.text for member in group if member.strong]
             pattern = parsed.exact({name: [spelled] for name, spelled in zip(placeholders(group), strong, strict=True)})
-            for place in self._places(before, last - first, group[0].number.text).get(key[1], ()):
-                if place - before >= done and (match := pattern.match(self.text, place - before)):
-                    stands.add(place)
-                    done = match.end()
+            while (at := self.flat.find(key[1], done)) >= 0:
+                match = pattern.match(self.text, at)
+                stands |= {at + before} if match else set()
+                done = match.end() if match else at + 1
         return self._stands[key]
-
-    def _places(self, before: int, length: int, number: str) -> dict[str, list[int]]:
-        """The positions of the number, keyed by the `length` characters that begin `before` characters ahead of it."""
-        shape = before, length, number
-        if shape not in self._alike:
-            places = self._alike[shape] = {}
-            for at in self._starts[number]:
-                if at >= before:
-                    places.setdefault(self.flat[at - before : at - before + length], []).append(at)
-        return self._alike[shape]
 
 
 def placeholders(group: Group) -> list[str]:

@@ -1,6 +1,7 @@
 """Phrases with placeholders for values: the accepted spellings of each value, and the patterns to search for.
 
-No accepted spelling of a value can be read as another number.
+No accepted spelling of a value can be read as another number. A number of a text has a form, too, its telling digits,
+and what one slip makes of it.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from itertools import count, zip_longest
+from itertools import count, pairwise, zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.texts.readers import number_words as words
 from driftproof.texts.readers.canonical import canonical_text
-from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 if TYPE_CHECKING:
     from driftproof.texts.questions.answer import Answer
@@ -112,6 +113,45 @@ def decimal_spellings(decimal: str) -> list[str]:
     scientific, n = f"{x:e}".replace("e+", "e"), x.adjusted()
     shifted = [f"{x.scaleb(k - n):f}e{n - k}" for k in (-1, *range(1, min(len(x.as_tuple().digits), 4))) if k != n]
     return [*([] if abs(n) > MOST_DECIMALS else [f"{x:f}"]), scientific, *shifted]
+
+
+def form_of(number: TextNumber, text: str = "") -> NumberForm:
+    """The form in which the text writes the number; a whole number is rounded as a percentage or a ratio."""
+    if number.is_worded:
+        return NumberForm(spelled=WORDS)
+    if "/" in number.text:
+        return NumberForm(exact=True)
+    if number.places is None or (not number.places and text.startswith(("%", " %", " times "), number.end)):
+        return NumberForm(digits=len(digits_of(number.text)))
+    return NumberForm(places=number.places or None)
+
+
+def spelled(number: TextNumber) -> str:
+    """The number as values are spelled: 3.3e-4 for 3.3×10^{-4}, 0.5 for .5, without a plus and without groups."""
+    spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
+    return re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
+
+
+def slips(spelled: str) -> Iterator[str]:
+    """What was meant if the sign is wrong, first, or if one digit is wrong, or two neighbours are exchanged."""
+    yield spelled[1:] if spelled.startswith("-") else f"-{spelled}"
+    digits = [i for i, sign in enumerate(spelled) if sign.isdigit()]
+    for i, j in pairwise(digits):
+        if spelled[i] != spelled[j]:
+            yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
+    for i in digits:
+        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789" if new != spelled[i])
+
+
+def digits_of(text: str, telling: bool = False) -> str:
+    """The significant digits of a number; with `telling`, without the zeros of a final .0 or final 00 after the point.
+
+    A round value such as 4.000 is likelier than one in 9000. A number that a text chooses, such as 1000, may have any
+    zeros at its end, so a draft asks for its digits without them.
+    """
+    mantissa = re.split(r"[eE]| ?[×·]", text)[0]
+    mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa
+    return re.sub(r"[^0-9]", "", mantissa).lstrip("0")
 
 
 def _spelling_pattern(spelling: str) -> str:

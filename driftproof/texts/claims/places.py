@@ -70,7 +70,6 @@ _CHANGES = (
     "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
     "drift\\w*|f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\\w*"
 )
-_CHANGED = re.compile(rf"\b(?:{_CHANGES}|which is|that(?: is|'s)|i\.e\.)\b(?:[^.;:]|\.\d){{0,30}}\Z")
 _E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 OF_EACH_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
@@ -220,8 +219,6 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
     settings, near, sure = _settings(text, (start, end), (before, after), row, head)
     about, of_row = head if row else before, Place.of_row
-    if not row and re.match(r"\s*(?:and |while )?th(?:at|ose) of\b", before):  # of what the clauses before are of
-        about = re.split(r"[.?!]\s", text[max(0, start - _NEAR) : start])[-1]
     if leaves_quantity(head, unknowns):
         # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
@@ -260,9 +257,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         of_energy = more["percent"] and (
-            quantity in ("energy", "relative_energy")
-            or re.match(r" ?% of (?:the|its) (?:\w+ ){0,3}energy", text[end:])
-            or (not (quantity or row) and _CHANGED.search(before) and _says_energy(before, text, start))
+            quantity in ("energy", "relative_energy") or re.match(r" ?% of (?:the|its) (?:\w+ ){0,3}energy", text[end:])
         )
         quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
     if quantity == "part_of_energy" and OF_EACH_STEP.match(text, end) and "h" in settings:
@@ -284,9 +279,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         ["H"],
     ):
         quantity, name = "energy", None
-    if name == "r" and name not in unknowns and "z" in settings:
-        quantity, name = "stability", None
-    elif (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
+    if (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
         quantity = "stability"
     compared = () if row else methods_compared(before, after)
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
@@ -311,17 +304,6 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     methods = {*compared} or methods
     return Place(
         frozenset(methods), settings, quantity, name, sure, near, bool(own or compared), of_solution, of_row, compared
-    )
-
-
-def _says_energy(before: str, text: str, start: int) -> bool:
-    """True if the last quantity of the sentence so far, or of the one before that says what "it" is, is the energy."""
-    said = [*QUANTITY.finditer(before)]
-    if not said and re.search(r"\bit\b", before):
-        said = [*QUANTITY.finditer(before := sentence_before(text, start) + before)]
-    is_energy = bool(said) and said[-1].lastgroup in ("energy", "relative_energy")
-    return is_energy and not re.search(
-        r"\b(?:amplitude|radius|phase|period|speed|height|angle)\b", before[said[-1].end() :]
     )
 
 

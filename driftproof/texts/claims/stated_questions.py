@@ -20,9 +20,8 @@ from driftproof.texts.claims.contradictions import (
     starters_said,
 )
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
-from driftproof.texts.claims.known_values import COUNT_OF_STEPS
 from driftproof.texts.claims.places import OF_EACH_STEP
-from driftproof.texts.claims.possible_values import SHARE
+from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
@@ -177,7 +176,7 @@ def _questions(
 def _compared(text: str) -> Iterator[tuple[str, ...]]:
     """The methods whose errors a text in lower case compares, each pair once, the larger error first."""
     found = [x for x in numbers_in(text) if text.startswith(" times ", x.end)]
-    yield from {pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end)))}
+    yield from dict.fromkeys(pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end))))
 
 
 def _shown(x: Fraction) -> str:

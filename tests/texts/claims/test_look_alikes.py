@@ -4,7 +4,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.texts.claims.known_values import KnownValue
+from driftproof.texts.claims.possible_values import KnownValue
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import numbers_in

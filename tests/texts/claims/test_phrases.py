@@ -5,8 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.phrases import NumberForm, Phrase, decimal_spellings
+from driftproof.texts.claims.phrases import NumberForm, Phrase, decimal_spellings, digits_of, form_of, slips, spelled
 from driftproof.texts.questions.evaluate import value
+from driftproof.texts.readers.numbers import numbers_in
 from tests.texts.claims.sample import claim, stands
 
 # phrase, value, a text that says it, texts that do not
@@ -147,3 +148,35 @@ def test_any_number_may_stand_for_a_value_and_literal_numbers_stay():
 def test_a_table_may_print_all_its_numbers_with_one_exponent():
     one = parse_claims("[[claim]]\nid='a'\nphrase='is {value}'\nvalue='113670/1000000'\ndigits=3").claims[0]
     assert [stands(f"is {text}", one) for text in ("11.4×10⁻²", "114e-3", "11.4×10⁻³", "11.5e-2")] == [1, 1, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("text", "spelling", "form"),
+    [
+        ("337/384", "337/384", NumberForm(exact=True)),
+        ("3.3×10^{-4}", "3.3e-4", NumberForm(digits=2)),
+        ("1.5e-03", "1.5e-3", NumberForm(digits=2)),
+        ("1.20", "1.20", NumberForm(places=2)),
+        (".5", "0.5", NumberForm(places=1)),
+        ("1,000", "1000", NumberForm()),
+        ("159 %", "159", NumberForm(digits=3)),
+    ],
+)
+def test_a_number_is_spelled_as_values_are(text, spelling, form):
+    (number,) = numbers_in(text)
+    assert (spelled(number), form_of(number, text)) == (spelling, form)
+
+
+def test_telling_digits_are_those_before_the_zeros_of_a_round_value():
+    assert [digits_of(text) for text in ("0.0120", "1.000", "2.5e-10", "-40")] == ["120", "1000", "25", "40"]
+    assert [digits_of(text, telling=True) for text in ("1.000", "4.0", "0.50", "1000", "1.2300")] == [
+        *("1", "4", "50", "1000", "123")
+    ]
+
+
+def test_slips_are_another_sign_first_then_neighbours_exchanged_and_each_other_digit():
+    first, *others = slips("1.2")
+    assert first == "-1.2"
+    assert others[0] == "2.1"
+    assert {*others} == {"2.1", *(f"{n}.2" for n in range(10)), *(f"1.{n}" for n in range(10))} - {"1.2"}
+    assert next(slips("-1.2")) == "1.2"

@@ -260,8 +260,6 @@ OSCILLATES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2. We take h = 0.1.
     ("said", "claimed", "slips"),  # of the last percentage
     [
         ("Euler's energy grows by 4.0 % per step", True, []),
-        ("Euler's energy grows by 4.0 % per step; after 10 steps it has grown by 48 %", True, []),
-        ("Euler's energy grows by 4.0 % per step; after 10 steps it has grown by 84 %", False, ["48"]),
         ("The energy of Euler's method grows. After 100 steps it has grown by 4950 %", True, []),
         ("RK4 loses 0.000088 % of its energy in each step, so that after 10 steps it has lost 0.00088 %", True, []),
         ("Heun's method gains 0.0400 % of the energy in each step and 0.401 % after 10 steps", True, []),

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from driftproof.texts.claims.known_values import questions_in
+from driftproof.texts.claims.possible_values import questions_in
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
@@ -30,6 +30,13 @@ BY_HEADS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
 | Heun | 6.93e-3 | 1.26e-3 | 2.75e-4 |
 | RK4 | 1.42e-4 | 6.81e-6 | 3.73e-7 |
 """
+
+
+def test_methods_are_compared_in_the_order_of_the_text_in_every_process():
+    pairs = [("heun2", "rk4"), ("forward_euler", "rk4"), ("forward_euler", "heun2"), ("midpoint2", "rk4")]
+    said = "".join(f" {b} is 2 times as accurate as {a}." for a, b in pairs)
+    asked = stated(f"y' = -y, y(0) = 1 to t = 1 with h = 0.1.{said}")
+    assert [(*re.findall(r"run (\w+)", one),) for one in asked if one.startswith("ratio")] == pairs
 
 
 def test_the_rate_of_an_equation_is_no_step_size():

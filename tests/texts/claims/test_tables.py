@@ -18,6 +18,8 @@ def heads(text):
         "|t|Heun|\n|0.5|1.125|",
         "{| class=a\n|+ of t\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125",
         "| | Heun |\n| t | |\n| 0.5 | 1.125 |",
+        "| t | Heun |\n" + "| - | - |\n" * 300 + "| 0.5 | 1.125 |",
+        "{see below}\n| t | Heun |\n| 0.5 | 1.125 |",
     ],
 )
 def test_the_head_of_a_column_is_above_it(text):
