@@ -72,7 +72,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         LARGEST_ERROR: lambda: off.largest_energy_error(problem, off.Way.of((n * h for n in range(len(path))), path)),
         LARGEST_CHANGE: lambda: off.largest_energy_change(problem, np.array([[*y] for y in path])),
         "steps": lambda: scene.steps,
-        "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
+        "evaluations": lambda: evaluations_of(run, method, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
     }
     found = {name: read[name]() for name in scene.readouts}
