@@ -14,10 +14,10 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY, TRAJECTORY
 from driftproof.numeric.run import (
     Counter,
-    NonFiniteReadout,
     NonFiniteState,
     Readouts,
     RunEnded,
+    finite,
     require_float_steps,
     run_method,
     times_of_steps,
@@ -75,8 +75,4 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         "evaluations": lambda: evaluations_of(run, method, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
     }
-    found = {name: read[name]() for name in scene.readouts}
-    for name, value in found.items():
-        if isinstance(value, float) and not isfinite(value):
-            raise NonFiniteReadout(f"{name} overflows binary64 at the final state")
-    return found
+    return {name: finite(name, read[name], "the final state") for name in scene.readouts}
