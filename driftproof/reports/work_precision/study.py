@@ -150,16 +150,9 @@ def _contestants(study: Study) -> list[_Contestant]:
             found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
-            key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
-            calls = partial(_calls_of_solvers, {peer.kind: solver}, float(problem.t))
-            found.append(_of_solver(key, solver, study, calls))
+            solver = cache(partial(peer.on, problem, name))  # constructed when first used
+            found.append(_of_solvers(f"{peer.name} {name}", {peer.kind: solver}, study))
     return found
-
-
-def _of_solver(key: str, solver: Callable[[], Solver], study: Study, calls: Any) -> _Contestant:
-    return _Contestant(
-        key, partial(_solver_curve, key, solver, study), partial(_tolerance_for_goal, solver, study), calls
-    )
 
 
 def _controlled(method: Entry, study: Study) -> _Contestant:
@@ -170,9 +163,19 @@ def _controlled(method: Entry, study: Study) -> _Contestant:
     }
     for solver in solvers.values():
         solver()
-    key, best = f"{method.key} controlled", list(solvers.values())[-1]
-    calls = partial(_calls_of_solvers, solvers, float(study.problem.t))
-    return _of_solver(key, best, study, calls)
+    return _of_solvers(f"{method.key} controlled", solvers, study)
+
+
+def _of_solvers(key: str, solvers: Mapping[str, Callable[[], Solver]], study: Study) -> _Contestant:
+    """A solver, by the kinds of its times; the curve is that of the last, the fastest."""
+
+    def call(solver: Callable[[], Solver], point: Point) -> Callable[[], State]:
+        return partial(solver().solve, float(point.setting), float(study.problem.t))
+
+    *_, best = solvers.values()
+    calls = {kind: partial(call, solver) for kind, solver in solvers.items()}
+    curve, refined = partial(_solver_curve, key, best, study), partial(_tolerance_for_goal, best, study)
+    return _Contestant(key, curve, refined, lambda: (calls, {}))
 
 
 def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
@@ -181,13 +184,6 @@ def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[s
     except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
-
-
-def _calls_of_solvers(solvers: Mapping[str, Callable[[], Solver]], t: float) -> tuple[_Calls, Mapping[str, str]]:
-    return {
-        kind: lambda point, solver=solver: partial(solver().solve, float(point.setting), t)
-        for kind, solver in solvers.items()
-    }, {}
 
 
 def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
