@@ -68,7 +68,7 @@ BUDGETS = {
     "support": 1341,
     "methods": 5543,
     "symbolic": 10662,
-    "numeric": 4631,
+    "numeric": 4564,
     "blackbox": 23277,
     "enclosure": 5737,
     "texts": 10718,
