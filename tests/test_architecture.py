@@ -68,12 +68,12 @@ BUDGETS = {
     "support": 1341,
     "methods": 5543,
     "symbolic": 10662,
-    "numeric": 4564,
+    "numeric": 4567,
     "blackbox": 23277,
     "enclosure": 5737,
     "texts": 10718,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6272
+BUDGET_OF_REPORTS_AND_FRONT = 6292
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
