@@ -6,24 +6,23 @@ solution that are proved. Times are CPU seconds; OPENBLAS_NUM_THREADS=1 keeps sm
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from importlib.util import find_spec
-from statistics import median
+from math import inf
 from time import process_time
 from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import Goal, Section, milliseconds, quiet
+from benchmarks.harness import Contestant, Goal, Section, Subject, measure, milliseconds
 from driftproof.enclosure.certificate import Certificate
 from driftproof.enclosure.certify import certify
 from driftproof.enclosure.solutions import enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.work_precision.timing import collector_off
 
 # The tolerances of the float solutions, and the digits of their errors that are wanted.
 TIGHT, RADAU, DIGITS = 1e-13, 1e-8, 12
@@ -109,18 +108,6 @@ def digits(found: Certificate) -> int:
     return int(found.errors[i][j].rel_accuracy_bits() * 0.30103)
 
 
-def cpu(tasks: Sequence[Callable[[], Any]], rounds: int) -> list[list[float]]:
-    """CPU seconds of each task in each round, the tasks taking turns."""
-    taken: list[list[float]] = [[] for _ in tasks]
-    with quiet(), collector_off():
-        for _ in range(rounds):
-            for task, times in zip(tasks, taken, strict=True):
-                start = process_time()
-                task()
-                times.append(process_time() - start)
-    return taken
-
-
 def measured(title: str, runs: Mapping[str, Run], method: str, tolerance: float, rounds: int) -> Section:
     """Each run enclosed and, where there is SciPy, solved in floats; whose error is then proved."""
     header = [
@@ -138,16 +125,18 @@ def measured(title: str, runs: Mapping[str, Run], method: str, tolerance: float,
     for name, run in runs.items():
         enclosed = partial(enclose_solution, run.f, [*map(Fraction, run.start)], [Fraction(0), Fraction(run.end)])
         tasks = [enclosed, *([partial(solved, run, method, tolerance)] if find_spec("scipy") else [])]
-        ours, *theirs = cpu(tasks, rounds)
-        found, row = enclosed(), [name, *(milliseconds(1000 * x) for x in (min(ours), median(ours)))]
+        asked = Subject(name, {str(task): Contestant(task, lambda _: "") for task in tasks})
+        (taken,) = measure([asked], rounds, 0.0, inf, process_time)
+        ours, *theirs = taken.times.values()
+        found, row = enclosed(), [name, *(milliseconds(1000 * x) for x in (ours.best, ours.median))]
         row += [str(found.steps), f"{max(float(x.rad()) for state in found.states for x in state):.0e}"]
         for times in theirs:
             proved = certify(run.f, solved(run, method, tolerance))
-            row += [milliseconds(1000 * min(times)), f"{min(ours) / min(times):.3g}"]
+            row += [milliseconds(1000 * times.best), f"{ours.best / times.best:.3g}"]
             row += [f"{float(proved.largest_error):.1e}", str(digits(proved))]
             goals.append(Goal(f"{name}: digits of the error", f"≥ {DIGITS}", row[-1], digits(proved) >= DIGITS))
         if run.goal is not None:
-            goals.append(Goal(name, f"≤ {milliseconds(run.goal)}", row[1], 1000 * min(ours) <= run.goal))
+            goals.append(Goal(name, f"≤ {milliseconds(run.goal)}", row[1], 1000 * ours.best <= run.goal))
         rows.append(row)
     return Section(title, rows, goals)
 

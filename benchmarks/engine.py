@@ -136,15 +136,10 @@ def with_scipy() -> dict[str, Contestant]:
     return {"scipy, RK45": Contestant(run, lambda found: f"in {len(found.t) - 1} steps")}
 
 
-def compiled(run: Callable[..., Any], *arguments: Any, our_bits: bool = False) -> Contestant:
-    """A compiled run, compiled: the last of its arguments is the number of steps."""
+def by_us(run: Callable[..., Any], *arguments: Any, our_bits: bool = False) -> Contestant:
+    """A run whose bits are compared, compiled if it is to be: the last of its arguments is the number of steps."""
     run(*arguments[:-1], 0)
     return Contestant(lambda: run(*arguments), bits, our_bits=our_bits)
-
-
-def by_us(run: Callable[..., Any], *arguments: Any) -> Contestant:
-    """A run whose bits the others are compared with."""
-    return Contestant(lambda: run(*arguments), bits)
 
 
 def same(task: Callable[[], Any]) -> Contestant:
@@ -213,15 +208,15 @@ def subjects() -> Iterator[Subject]:
     yield Subject(f"rk4, one trajectory, {FEW} steps", {"ours": ours, **by_hand_too, **with_scipy()}, None, shares)
     if numba:
         others = {} if plain is None else {"C": same(c_trajectory(plain))}
-        by_c = {"ours": compiled(compiled_runner(RK4, OSCILLATOR), START, H, 0, MANY), **others}
+        by_c = {"ours": by_us(compiled_runner(RK4, OSCILLATOR), START, H, 0, MANY), **others}
         yield Subject(f"rk4, one trajectory, {MANY} steps", by_c, None, {("ours", "C"): 1.05})
         yield systems("Kepler orbits", PROBLEMS["kepler"].field, (0.4, 0.1, 0.1, 1.6))
         yield systems("Lorenz systems", LORENZ, LORENZ_START)
     lorenz = {"ours": by_us(runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}
     pair = {"ours": by_us(runner(PAIR, OSCILLATOR), START, H, 0, FEW)}
     if numba:
-        lorenz["ours, numba"] = compiled(compiled_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
-        pair["ours, numba"] = compiled(compiled_runner(PAIR, OSCILLATOR), START, H, 0, FEW, our_bits=True)
+        lorenz["ours, numba"] = by_us(compiled_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
+        pair["ours, numba"] = by_us(compiled_runner(PAIR, OSCILLATOR), START, H, 0, FEW, our_bits=True)
     lorenz["by hand, tuples"] = same(lambda: lorenz_by_hand(LORENZ_START, H, FEW))
     yield Subject(f"rk4, Lorenz's system, {FEW} steps", lorenz)
     slower = {("ours, numba", "scipy, RK45"): 1 / 75}

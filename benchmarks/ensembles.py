@@ -19,9 +19,9 @@ import numpy as np
 from benchmarks.engine import LORENZ, LORENZ_START
 from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
+from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import compiled_ensemble_runner
+from driftproof.numeric.engine import compiled_ensemble_runner, functions_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 SYSTEMS, ERROR, REFERENCE_STEPS = 10_000, 1e-6, 4096
@@ -136,7 +136,7 @@ def diffrax_mapped(name: str, solver_name: str) -> Callable[[float], Solve]:
 
     jax.config.update("jax_enable_x64", True)
     field, _, end, _ = CASES[name]
-    rate = field_rate(field, {function: getattr(jax.numpy, function) for function in FUNCTIONS})
+    rate = field_rate(field, functions_of(jax.numpy))
 
     def one(start: Any, tolerance: Any) -> Any:
         term = diffrax.ODETerm(lambda t, y, _: jax.numpy.stack([jax.numpy.asarray(x) for x in rate(t, y)]))

@@ -24,13 +24,13 @@ import numpy as np
 
 import driftproof
 from benchmarks.enclosure import lorenz, pendulum
-from benchmarks.harness import Goal, Section, forget, milliseconds, quiet
+from benchmarks.harness import Contestant, Goal, Section, forget, milliseconds, one_turn
+from benchmarks.long_runs import exponent
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.sweep import run_grid
-from driftproof.numeric.work_precision.timing import collector_off
 from driftproof.symbolic.trees.order_conditions import order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.rooted_trees import tree_table
 from driftproof.texts.claims.report import check
@@ -188,19 +188,7 @@ LAWS = (
 
 def seconds(task: Callable[[], object]) -> float:
     """Processor seconds, the least of some runs where they are short."""
-    taken: list[float] = []
-    with quiet(), collector_off():
-        while sum(taken) < SHORT:
-            forget()
-            start = process_time()
-            task()
-            taken.append(process_time() - start)
-    return min(taken)
-
-
-def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
-    """The exponent of the size, by least squares over the last sizes."""
-    return float(np.polyfit(np.log(sizes[-LAST:]), np.log(costs[-LAST:]), 1)[0])
+    return min(one_turn(Contestant(task, lambda _: "", forget), SHORT, process_time)[0])
 
 
 def laws_section(laws: Sequence[Law] = LAWS) -> Section:
@@ -208,7 +196,7 @@ def laws_section(laws: Sequence[Law] = LAWS) -> Section:
     rows, goals = [["", "size", "time", "on paper", "measured", "because"]], []
     for law in laws:
         costs = [seconds(law.task(size)) for size in law.sizes]
-        found = slope(law.sizes, costs)
+        found = exponent(law.sizes[-LAST:], costs[-LAST:])
         for size, cost in zip(law.sizes, costs, strict=True):
             said = ("", "", "") if size != law.sizes[-1] else (f"{law.exponent:g}", f"{found:.2f}", law.reason)
             rows.append([law.name if size == law.sizes[0] else "", str(size), milliseconds(1000 * cost), *said])

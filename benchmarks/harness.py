@@ -144,13 +144,13 @@ def measure(
         for row in rows:
             for who, contestant in row.subject.contestants.items():
                 if sum(row.times[who].samples) < limit:
-                    taken, answer = _one_turn(contestant, turn, clock or perf_counter)
+                    taken, answer = one_turn(contestant, turn, clock or perf_counter)
                     row.times[who].samples.extend(taken)
                     row.answers[who] = answer  # type: ignore[index]
     return rows
 
 
-def _one_turn(contestant: Contestant, turn: float, clock: TimeSource) -> tuple[list[float], str]:
+def one_turn(contestant: Contestant, turn: float, clock: TimeSource) -> tuple[list[float], str]:
     """At least one time in seconds, and the answer."""
     taken, spent = list[float](), 0.0
     gc.collect()
@@ -185,6 +185,29 @@ def quiet() -> Iterator[None]:
 def cold_and_warm(task: Callable[[], Any], read: Callable[[Any], str] = str) -> dict[str, Contestant]:
     """Ours twice: with every cache emptied before each call, and with what the calls before have left."""
     return {"ours": Contestant(task, read, forget), "ours, warm": Contestant(task, read)}
+
+
+def with_largest_tolerance(
+    solver: Callable[[float], Callable[[], Any]],
+    tolerances: Sequence[float],
+    error: Callable[[Any], float],
+    most: float,
+) -> Contestant:
+    """The solver with the largest tolerance with which it reaches the error; with the smallest if none does.
+
+    What it finds is the last state and the number of steps.
+    """
+    tasks = (solver(tolerance) for tolerance in tolerances)
+    task = next((task for task in tasks if error(task()[0]) <= most), solver(tolerances[-1]))
+    return Contestant(task, lambda found: f"{error(found[0]):.1e}, {found[1]} steps")
+
+
+def by_scipy(rate: Callable[..., Any], start: Sequence[float], end: float, name: str, **given: Any) -> tuple[Any, int]:
+    """The last state and the number of steps of a solver of SciPy."""
+    from scipy.integrate import solve_ivp
+
+    found = solve_ivp(rate, (0.0, end), start, name, **given)
+    return found.y[:, -1], len(found.t) - 1
 
 
 def goal_rows(goals: Iterable[Goal]) -> list[list[str]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from math import pi, sin
 from time import process_time
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import Contestant, Section, Subject, timed
+from benchmarks.harness import Section, Subject, by_scipy, timed, with_largest_tolerance
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import field_loops
@@ -87,22 +87,15 @@ def by_us(run: ControlledRun, places: int, tolerance: float) -> Callable[[], Any
     return lambda: (np.array(run(start(places), END, tolerance, tolerance)), run.steps)
 
 
-def by_scipy(name: str, places: int, tolerance: float) -> Callable[[], Any]:
+def scipy_solver(name: str, places: int, tolerance: float) -> Callable[[], Any]:
     """The same of a solver of SciPy."""
-    from scipy.integrate import solve_ivp
     from scipy.sparse import diags
 
     n = 2 * places
-    known = (
-        {"lband": 2, "uband": 2} if name == "LSODA" else {"jac_sparsity": diags([1.0] * 5, range(-2, 3), shape=(n, n))}
-    )
-
-    def task() -> Any:
-        given = {"rtol": tolerance, "atol": tolerance, **known}
-        found = solve_ivp(rate_on_arrays(places), (0.0, END), start(places), name, **given)
-        return found.y[:, -1], len(found.t) - 1
-
-    return task
+    band = {"jac_sparsity": diags([1.0] * 5, range(-2, 3), shape=(n, n))}
+    known = {"lband": 2, "uband": 2} if name == "LSODA" else band
+    given = {"rtol": tolerance, "atol": tolerance, **known}
+    return lambda: by_scipy(rate_on_arrays(places), start(places), END, name, **given)
 
 
 @cache
@@ -112,12 +105,9 @@ def reference(places: int) -> Any:
     return np.array(run(start(places), END, 1e-12, 1e-12))
 
 
-def at_its_best(places: int, solver: Callable[[float], Callable[[], Any]]) -> Contestant:
-    """The solver with the largest tolerance with which it reaches the error; with the smallest if none does."""
-    error = lambda found: float(np.abs(found[0] - reference(places)).max())
-    tasks = (solver(tolerance) for tolerance in TOLERANCES)
-    task = next((task for task in tasks if error(task()) <= ERROR), solver(TOLERANCES[-1]))
-    return Contestant(task, lambda found: f"{error(found):.1e}, {found[1]} steps")
+def error_of(places: int, state: Any) -> float:
+    """The largest error of a component."""
+    return float(np.abs(state - reference(places)).max())
 
 
 def subjects() -> Iterator[Subject]:
@@ -129,10 +119,13 @@ def subjects() -> Iterator[Subject]:
         if places <= FULL_PLACES:
             solvers["ours, full"] = lambda tolerance, n=places: by_us(without_a_band(n), n, tolerance)
         for name in ("Radau", "LSODA") if find_spec("scipy") else ():
-            solvers[f"scipy, {name}"] = lambda tolerance, n=places, name=name: by_scipy(name, n, tolerance)
+            solvers[f"scipy, {name}"] = lambda tolerance, n=places, name=name: scipy_solver(name, n, tolerance)
         yield Subject(
             f"Brusselator, {places} places, error {ERROR:.0e}".replace("e-0", "e-"),
-            {who: at_its_best(places, solver) for who, solver in solvers.items()},
+            {
+                who: with_largest_tolerance(solver, TOLERANCES, partial(error_of, places), ERROR)
+                for who, solver in solvers.items()
+            },
         )
 
 

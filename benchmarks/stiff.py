@@ -7,16 +7,17 @@ reaches it, of those tried, and absolute tolerances are 10⁻⁴ of the relative
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from math import inf, isfinite
 from time import process_time
 from typing import Any
 
-from benchmarks.harness import Contestant, Section, Subject, timed
+from benchmarks.harness import Section, Subject, by_scipy, timed, with_largest_tolerance
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.numeric.advance import field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
+from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits
@@ -36,20 +37,10 @@ def ours(problem: Problem, tolerance: float) -> Callable[[], Any]:
     return lambda: (run(start, end, tolerance, tolerance * 1e-4), run.steps)
 
 
-def by_scipy(name: str) -> Callable[[Problem, float], Callable[[], Any]]:
+def scipy_solver(name: str, problem: Problem, tolerance: float) -> Callable[[], Any]:
     """The same of a solver of SciPy."""
-    from scipy.integrate import solve_ivp
-
-    def of(problem: Problem, tolerance: float) -> Callable[[], Any]:
-        rate, start, span = field_rate(problem.field), float_start(problem), (0.0, float(problem.t))
-
-        def task() -> Any:
-            found = solve_ivp(rate, span, start, name, rtol=tolerance, atol=tolerance * 1e-4)
-            return tuple(map(float, found.y[:, -1])), len(found.t) - 1
-
-        return task
-
-    return of
+    given = {"rtol": tolerance, "atol": tolerance * 1e-4}
+    return partial(by_scipy, field_rate(problem.field), float_start(problem), float(problem.t), name, **given)
 
 
 def by_diffrax(problem: Problem) -> Callable[[Problem, float], Callable[[], Any]]:
@@ -58,7 +49,7 @@ def by_diffrax(problem: Problem) -> Callable[[Problem, float], Callable[[], Any]
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    rate = field_rate(problem.field, {name: getattr(jax.numpy, name) for name in FUNCTIONS})
+    rate = field_rate(problem.field, functions_of(jax.numpy))
     start, end = jax.numpy.array(float_start(problem)), float(problem.t)
 
     def solve(tolerance: Any) -> Any:
@@ -80,25 +71,25 @@ def by_diffrax(problem: Problem) -> Callable[[Problem, float], Callable[[], Any]
     return of
 
 
-def at_its_best(problem: Problem, solver: Callable[[Problem, float], Callable[[], Any]]) -> Contestant:
-    """The solver with the largest tolerance with which it reaches the error; with the smallest if none does."""
-    digits = problem.reference.states[-1]
-    error = lambda found: distance_from_digits(found[0], digits) if all(map(isfinite, found[0])) else inf
-    tasks = (solver(problem, tolerance) for tolerance in TOLERANCES)
-    task = next((task for task in tasks if error(task()) <= ERRORS[problem.key]), solver(problem, TOLERANCES[-1]))
-    return Contestant(task, lambda found: f"{error(found):.1e}, {found[1]} steps")
+def error_of(problem: Problem, state: Any) -> float:
+    """The distance from the reference; infinite for a state that is not finite."""
+    found = tuple(map(float, state))
+    return distance_from_digits(found, problem.reference.states[-1]) if all(map(isfinite, found)) else inf
 
 
 def subjects() -> Iterator[Subject]:
     """What can be had here."""
-    solvers = {f"scipy, {name}": by_scipy(name) for name in ("Radau", "BDF")} if find_spec("scipy") else {}
+    solvers = {f"scipy, {name}": partial(scipy_solver, name) for name in ("Radau", "BDF")} if find_spec("scipy") else {}
     for key, error in ERRORS.items():
-        contestants = {"ours": ours, **solvers}
+        problem, contestants = PROBLEMS[key], {"ours": ours, **solvers}
         if find_spec("diffrax"):
-            contestants["diffrax, Kvaerno5"] = by_diffrax(PROBLEMS[key])
+            contestants["diffrax, Kvaerno5"] = by_diffrax(problem)
         yield Subject(
             f"{key}, error {error:.0e}; ours: {METHOD.key}".replace("e-0", "e-"),
-            {who: at_its_best(PROBLEMS[key], solver) for who, solver in contestants.items()},
+            {
+                who: with_largest_tolerance(partial(solver, problem), TOLERANCES, partial(error_of, problem), error)
+                for who, solver in contestants.items()
+            },
             None,
             {("ours", "scipy, Radau"): SHARE},
         )

@@ -26,7 +26,8 @@ from driftproof.blackbox.findings import (
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
 from driftproof.blackbox.judging.given_steps import GivenSteps
-from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSteps, OwnSystem
+from driftproof.blackbox.judging.own_steps import OwnSteps
+from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects

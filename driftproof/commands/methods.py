@@ -69,10 +69,11 @@ def facts_command(options: Namespace) -> str:
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
     'mine.toml at 1/2' names a member of it for every command, as 'sdirk_order_2 at 1/4' does of ours.
 
-    exit status: 1 if the order is shown and is not the claimed one, or that of embedded weights, which the first lines
-    then say, with the one entry that may be wrong, or if a multistep method is not zero-stable; 2 if the file cannot be
-    read. A claim holds if digits explain what is missed, and one of a splitting if it holds on q'' = F(q). Of [roots]
-    one that is no radical is { minpoly = [-3, 0, 1], interval = [1, 2] }, the root there of x² - 3.
+    exit status: 1 if the order, or zero-stability, is shown, and the order is not the claimed one, nor that of embedded
+    weights, or a multistep method is not zero-stable, which the first lines then say, with the one entry that may be
+    wrong; 2 if the file cannot be read. A claim holds if digits explain what is missed, and one of a splitting if it
+    holds on q'' = F(q). Of [roots] one that is no radical is { minpoly = [-3, 0, 1], interval = [1, 2] }, the root
+    there of x² - 3.
 
     tableau.toml:
       family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive

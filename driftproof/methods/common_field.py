@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cache, reduce
 from itertools import count
 from math import floor
-from typing import Any
+from typing import Any, cast
 
 from driftproof.methods.number_field import (
     LARGEST_FIELD_DEGREE,
@@ -15,6 +15,8 @@ from driftproof.methods.number_field import (
     Exact,
     NumberField,
     UndecidedError,
+    as_fmpq,
+    as_fraction,
     dyadic,
     integer_root,
     real_root_balls,
@@ -30,25 +32,25 @@ def in_one_field(values: Sequence[Exact]) -> list[Exact]:
 
 
 def common_field(values: Iterable[Exact]) -> NumberField | None:
-    """A field that contains all of the numbers; None if all are rational."""
-    fields = list(dict.fromkeys(x.field for x in values if isinstance(x, Algebraic)))
-    return reduce(compositum, fields) if fields else None
+    """A field that contains all of the numbers, the same for the same roots; None if all are rational."""
+    roots = {root for x in values if isinstance(x, Algebraic) for root, *_ in x.field.summands}
+    return reduce(compositum, sorted(roots, key=_by_equation)) if roots else None
+
+
+def _by_equation(field: NumberField) -> tuple[Any, ...]:
+    return field.degree, [*map(abs, field.minimal)], -field.low, field.name
 
 
 def element_of(x: Exact, field: NumberField | None) -> Exact:
-    """x as an element of `field` if that was made from the field of x and others; otherwise x itself."""
-    if not isinstance(x, Algebraic) or field is None or x.field not in _generators(field):
+    """x as an element of `field` if that contains all roots of its own; otherwise x itself."""
+    known = {root: Algebraic(field, parts) for root, _, parts in field.summands} if field else {}
+    if not isinstance(x, Algebraic) or any(root not in known for root, *_ in x.field.summands):
         return x
-    lifted: Exact = _at(x, _generators(field)[x.field])
-    return lifted
-
-
-def _at(x: Algebraic, generator: Algebraic) -> Any:
-    """x with this number in place of the generator of its field."""
+    generator = sum(known[root] * times for root, times, _ in x.field.summands)
     found: Any = Fraction(0)
     for c in reversed(x.coefficients):
         found = found * generator + c
-    return found
+    return cast("Exact", found)
 
 
 @cache
@@ -58,24 +60,25 @@ def compositum(one: NumberField, other: NumberField) -> NumberField:
     Then x and y are polynomials in γ modulo the characteristic polynomial of γ, and also modulo its irreducible factor
     that has the real number γ as a root. Raises UndecidedError for a degree above LARGEST_FIELD_DEGREE.
     """
-    from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
+    from flint import arb, ctx, fmpq_mat, fmpq_poly
 
-    d, e = one.degree, other.degree
-    size = d * e
+    size = one.degree * other.degree
     if size > LARGEST_PRODUCT:
         raise UndecidedError(f"{one.name} and {other.name} together may have degree {size}; write one field")
+    a, b = map(_companion, (one, other))
+    places = [(i, j) for i in range(one.degree) for j in range(other.degree)]
     for k in count(1):
-        rows, power = list[list[Any]](), {(0, 0): fmpq(1)}
-        while len(rows) <= size:
-            rows.append([power.get((i, j), fmpq(0)) for i in range(d) for j in range(e)])
-            power = _times_sum(power, one, other, k)
-        spanned = fmpq_mat(rows[:size]).transpose()
+        times = fmpq_mat([[a[i, m] * (j == n) + k * b[j, n] * (i == m) for m, n in places] for i, j in places])
+        powers = [fmpq_mat(size, 1, [1] + [0] * (size - 1))]
+        while len(powers) <= size:
+            powers.append(times * powers[-1])
+        spanned = fmpq_mat([power.entries() for power in powers[:size]]).transpose()
         if spanned.det() != 0:
             break
-    units = [[fmpq(int(m == e)), fmpq(int(m == 1)), rows[size][m]] for m in range(size)]
+    units = [[int(m == other.degree), int(m == 1), powers[size][m, 0]] for m in range(size)]
     found = spanned.solve(fmpq_mat(units))
-    alpha, beta, top = ([found[m, column] for m in range(size)] for column in range(3))
-    characteristic = fmpq_poly([*(-c for c in top), 1]).numer()
+    alpha, beta, top = (fmpq_poly([found[m, column] for m in range(size)]) for column in range(3))
+    characteristic = (fmpq_poly([0] * size + [1]) - top).numer()
     factors = [tuple(int(c) for c in factor.coeffs()) for factor, _ in characteristic.factor()[1]]
     bits, near = 32, list[tuple[int, ...]]()
     while len(near) != 1:  # until only one root of the characteristic polynomial can lie between the ends
@@ -87,38 +90,32 @@ def compositum(one: NumberField, other: NumberField) -> NumberField:
             around = (arb(low) / unit).union(arb(high) / unit)
             near = [p for p in factors for ball in real_root_balls(p, bits) if ball.overlaps(around)]
     (minimal,) = near
-    name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
-    field = NumberField(name, minimal, Fraction(low, unit), Fraction(high, unit))
-    for old, parts in ((one, alpha), (other, beta)):
-        generator = Algebraic(field, (fmpq_poly(parts) % fmpq_poly(list(minimal))).coeffs())
-        _generators(field).update({known: _at(element, generator) for known, element in _generators(old).items()})
-    return field
+    roots = [
+        (
+            root,
+            times * m,
+            tuple(map(as_fraction, (fmpq_poly([*map(as_fmpq, parts)])(x) % fmpq_poly(list(minimal))).coeffs())),
+        )
+        for field, x, times in ((one, alpha, 1), (other, beta, k))
+        for root, m, parts in field.summands
+    ]
+    if len(minimal) > LARGEST_FIELD_DEGREE + 1:
+        names = ", ".join(root.name for root, *_ in roots)
+        raise UndecidedError(
+            f"{names} generate a field of degree {len(minimal) - 1}; at most {LARGEST_FIELD_DEGREE} is supported"
+        )
+    name = " + ".join(root.name if m == 1 else f"{m}*{root.name}" for root, m, _ in roots)
+    return NumberField(f"({name})", minimal, Fraction(low, unit), Fraction(high, unit), tuple(roots))
 
 
-@cache
-def _generators(field: NumberField) -> dict[NumberField, Algebraic]:
-    """The generators of the fields from which this one was made, and its own, as elements of this field."""
-    return {field: field.generator}
+def _companion(field: NumberField) -> Any:
+    """The matrix of multiplication by α in powers of α."""
+    from flint import fmpq, fmpq_mat
 
-
-def _times_sum(power: dict[tuple[int, int], Any], one: NumberField, other: NumberField, k: int) -> dict[Any, Any]:
-    """The product of `power` and x + ky, reduced by both minimal polynomials."""
-    found: dict[tuple[int, int], Any] = {}
-
-    def add(i: int, j: int, c: Any) -> None:
-        if i == one.degree:
-            for m in range(i):
-                add(m, j, -c * one.minimal[m] / one.minimal[-1])
-        elif j == other.degree:
-            for m in range(j):
-                add(i, m, -c * other.minimal[m] / other.minimal[-1])
-        else:
-            found[i, j] = found.get((i, j), 0) + c
-
-    for (i, j), c in power.items():
-        add(i + 1, j, c)
-        add(i, j + 1, k * c)
-    return found
+    d, top = field.degree, field.minimal[-1]
+    return fmpq_mat(
+        [[int(i == j + 1) - (j == d - 1) * fmpq(field.minimal[i], top) for j in range(d)] for i in range(d)]
+    )
 
 
 def rational_power(base: Fraction, exponent: Fraction) -> Exact:

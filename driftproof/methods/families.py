@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, reduce
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from driftproof.methods.names import KeyedTable, UnknownKey
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
@@ -137,6 +137,7 @@ class Family:
     a: tuple[tuple[ParameterFunction, ...], ...]
     b: tuple[ParameterFunction, ...]
     c: tuple[ParameterFunction, ...]
+    kind: ClassVar[str] = "a family of methods, of which `at` chooses one"
 
     def __post_init__(self) -> None:
         """Raise MethodError for a tableau whose parts differ in length."""

@@ -6,7 +6,7 @@ The arithmetic is FLINT's, which is loaded when the first field is made: methods
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, total_ordering
 from itertools import pairwise
@@ -14,7 +14,7 @@ from math import copysign
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 if TYPE_CHECKING:
-    from flint import arb, fmpq
+    from flint import arb, fmpq, fmpq_mat
 
 # Chosen far above any published method: the time of an operation grows with the square of the degree.
 LARGEST_FIELD_DEGREE = 12
@@ -30,7 +30,8 @@ class NumberField:
     """The field Q(α), where α is the one root of an irreducible polynomial over Q in a given rational interval.
 
     `minimal` has integer coefficients, constant term first; `low` < α < `high`, and the polynomial changes sign there.
-    `name` is how α is written, e.g. "sqrt(3)". Raises ValueError if the polynomial does not change sign, has several
+    `name` is how α is written, e.g. "sqrt(3)"; `roots` are empty, or if α is a sum Σ mβ of other numbers β, the field,
+    m and the coefficients in powers of α of each. Raises ValueError if the polynomial does not change sign, has several
     roots in the interval, or factors, since equality in the field would then not be equality of numbers; raises
     UndecidedError for a degree above LARGEST_FIELD_DEGREE.
     """
@@ -39,6 +40,7 @@ class NumberField:
     minimal: tuple[int, ...]
     low: Fraction
     high: Fraction
+    roots: tuple[tuple[NumberField, int, tuple[Fraction, ...]], ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Raise ValueError or UndecidedError unless the polynomial and the interval define a field."""
@@ -64,6 +66,27 @@ class NumberField:
     def generator(self) -> Algebraic:
         """The number α as an element of the field."""
         return Algebraic(self, (0, 1))
+
+    @property
+    def summands(self) -> tuple[tuple[NumberField, int, tuple[Fraction, ...]], ...]:
+        """The `roots`, or α itself in their place."""
+        return self.roots or ((self, 1, (Fraction(0), Fraction(1))),)
+
+    @cached_property
+    def basis(self) -> tuple[list[str], fmpq_mat]:
+        """A basis of products of powers of the summands, as text ("" for 1), and the matrix from 1, α, ... to it."""
+        from flint import fmpq_mat
+
+        names, rows = [""], [self.generator**0]
+        for root, _, parts in self.summands:
+            start = [*zip(names, rows, strict=True)]
+            for power in range(1, root.degree):
+                more = [x * Algebraic(self, parts) ** power for _, x in start]
+                if fmpq_mat([x.parts for x in (*rows, *more)]).rank() < len(rows) + len(more):
+                    break
+                factor = root.name if power == 1 else f"({root.name})**{power}"
+                names, rows = names + [f"{name}*{factor}".strip("*") for name, _ in start], rows + more
+        return names, fmpq_mat([x.parts for x in rows]).inv()
 
     def ball(self) -> arb:
         """A ball around α, at Arb's current precision."""
@@ -278,13 +301,13 @@ class Algebraic(ScalarExtension):
         return ends_of(ball)
 
     def __str__(self) -> str:
-        """The number in powers of the generator, e.g. "1/2 - 1/6*sqrt(3)"."""
-        text = ""
-        for power, c in enumerate(self.coefficients):
+        """The number in products of powers of the roots that generate the field, e.g. "1/2 - 1/6*sqrt(3)"."""
+        from flint import fmpq_mat
+
+        text, (names, change) = "", self.field.basis
+        for c, root in zip((fmpq_mat([self.parts]) * change).entries(), names, strict=True):
             if c:
-                name = self.field.name
-                root = name if power == 1 else f"{name if name[0] == '(' else f'({name})'}**{power}"
-                body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
+                body = str(abs(c)) if not root else root if abs(c) == 1 else f"{abs(c)}*{root}"
                 sign = "-" if c < 0 else "+"
                 text += f" {sign} {body}" if text else f"{sign}{body}".removeprefix("+")
         return text or "0"

@@ -58,7 +58,6 @@ LONGEST_MINPOLY_INTEGER = 200
 LONGEST_NAME = 200
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,59}")
 _NAME = re.compile(r"[A-Za-z_]\w{0,30}", re.ASCII)
-_RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
 # Maps an expression, and its place in the file, to the number that it spells.
@@ -168,36 +167,38 @@ def _roots(declared: object) -> dict[str, Exact]:
 
 def _root(name: str, definition: object, known: Mapping[str, Exact]) -> Exact:
     """What "sqrt(3)", "1 - g/2" with a g that is known, or a table of minimal polynomial and interval defines."""
+    where = f"roots.{name}"
+    if not isinstance(definition, dict):
+        value: Exact = _number(definition, where, lambda text, where: parse_exact(text, known, where))
+        return value
+    if set(definition) != {"minpoly", "interval"}:
+        raise MethodError(
+            f"{where} is {quoted(definition)}; write {{ minpoly = [...], interval = [...] }} or 'sqrt(n)'"
+        )
     try:
-        if isinstance(definition, str) and (match := _RADICAL.fullmatch(definition)):
-            return RADICALS[match[1]](int(match[2]))
-        if isinstance(definition, dict) and set(definition) == {"minpoly", "interval"}:
-            low, high = _numbers(definition["interval"], "interval", parse_number, 2)
-            return NumberField(name, _integers(definition["minpoly"]), _rational(low), _rational(high)).generator
-        if isinstance(definition, str) and (known or re.search("sqrt|cbrt", definition)):
-            return parse_exact(definition, known, "its expression")
+        low, high = _rationals(definition["interval"], "interval", parse_number, 2)
+        return NumberField(name, _integers(definition["minpoly"]), low, high).generator
     except ValueError as error:
-        raise MethodError(f"roots.{name}: {error}") from None
-    raise MethodError(
-        f"roots.{name} is {quoted(definition)}; write 'sqrt(n)', 'cbrt(n)' or {{ minpoly = [...], interval = [...] }}"
-    )
+        raise MethodError(f"{where}: {error}") from None
 
 
 def _integers(values: object) -> tuple[int, ...]:
-    whole = [_rational(x) for x in _numbers(values, "minpoly", parse_number)]
+    whole = _rationals(values, "minpoly", parse_number)
     if any(x.denominator != 1 or x.numerator.bit_length() > LONGEST_MINPOLY_INTEGER for x in whole):
         raise MethodError("minpoly: the coefficients are integers of at most 60 digits, constant term first")
     return tuple(int(x) for x in whole)
 
 
-def _rational(value: Exact) -> Fraction:
-    if isinstance(value, Algebraic):
-        raise MethodError("a rational number is needed")
-    return value
-
-
 def _numbers(values: object, where: str, read: Read, length: int | None = None) -> tuple[Any, ...]:
     return tuple(_number(x, f"{where}[{i}]", read) for i, x in enumerate(as_list(values, where, length, MOST_STAGES)))
+
+
+def _rationals(values: object, where: str, read: Read, length: int | None = None) -> tuple[Fraction, ...]:
+    found = _numbers(values, where, read, length)
+    for i, x in enumerate(found):
+        if isinstance(x, Algebraic) and not x.is_rational:
+            raise MethodError(f"{where}[{i}] is {x}; a rational number is needed")
+    return tuple(x.as_fraction() if isinstance(x, Algebraic) else x for x in found)
 
 
 def _number(value: object, where: str, read: Read) -> Any:
@@ -284,14 +285,12 @@ def _collocation(table: TomlTable, common: dict[str, Any], read: Read) -> Method
     if common.pop("decimal"):
         raise MethodError("decimal = true is not allowed: a rounded node polynomial would have other nodes")
     coefficients = as_list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
-    return Collocation(**common, node_polynomial=tuple(map(_rational, _numbers(coefficients, "node_polynomial", read))))
+    return Collocation(**common, node_polynomial=_rationals(coefficients, "node_polynomial", read))
 
 
 def _multistep(table: TomlTable, common: dict[str, Any], read: Read) -> Multistep:
-    rho, sigma = (
-        tuple(map(_rational, _numbers(as_list(_entry(table, name), name, most=MOST_PAST_VALUES + 1), name, read)))
-        for name in ("rho", "sigma")
-    )
+    given = {name: as_list(_entry(table, name), name, most=MOST_PAST_VALUES + 1) for name in ("rho", "sigma")}
+    rho, sigma = (_rationals(values, name, read) for name, values in given.items())
     derivative = as_whole(table.get("derivative", 1), "derivative", 1, 2)
     return Multistep(**common, rho=rho, sigma=sigma, derivative=derivative)
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cache
 from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import Entry, of_one_state
-from driftproof.methods.explicit_steps import field_source
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import compiled_runner, elementwise, program_function, runner
 from driftproof.numeric.implicit import ImplicitRun, implicit_runner
@@ -20,6 +17,7 @@ from driftproof.numeric.multistep import MultistepRun, multistep_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.rosenbrock import rosenbrock_runner
 from driftproof.numeric.run import nearest_double
+from driftproof.numeric.steppers import evaluations_per_step
 
 State: TypeAlias = Sequence[float]
 Rate: TypeAlias = Callable[[float, Any], list[float]]
@@ -45,11 +43,11 @@ def advance(method: Entry, problem: Problem, *, compiled: bool = False) -> Advan
     return implicit_runner(one_step, problem.field, compiled=compiled)
 
 
-def evaluations_of(run: Advance, method: Entry, problem: Problem, steps: int) -> int:
+def evaluations_of(run: Advance, method: Entry, steps: int) -> int:
     """The number of evaluations of f by `run`, which has taken `steps` steps since it was made."""
     if isinstance(run, MultistepRun):
-        return run.calls + evaluations_of(run.starter, run.start_method, problem, run.begun)
-    return run.calls if isinstance(run, ImplicitRun) else counted_evaluations(of_one_state(method), problem, steps)
+        return run.calls + evaluations_of(run.starter, run.start_method, run.begun)
+    return run.calls if isinstance(run, ImplicitRun) else steps * evaluations_per_step(of_one_state(method))
 
 
 def error_summary(error: Exception) -> str:
@@ -92,29 +90,3 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
 def rests_at_origin(problem: Problem) -> bool:
     """True if f(0, 0) = 0 in floats, as where c is 0 in f(t, y) = A(y - c)."""
     return not any(field_rate(problem.field)(0.0, (0.0,) * len(problem.start)))
-
-
-def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
-    """The number of evaluations of f, or of the accelerations, in `steps` steps, counted on the text that is run.
-
-    The text is a loop over straight-line code, so that all steps make the same number of calls. One step is run with a
-    function that counts its calls as the last rate.
-    """
-    return steps * _calls_of_a_step(method, len(problem.start), problem.second_order)
-
-
-@cache
-def _calls_of_a_step(method: Method, components: int, second_order: bool) -> int:
-    half = components // 2
-    rates = [f"y{half + i}" if second_order and i < half else "-y0" for i in range(components)]
-    source = field_source(method, VectorField((*rates[:-1], "sin(y0)")))
-    calls = 0
-
-    def counting(x: float) -> float:
-        nonlocal calls
-        calls += 1
-        return x
-
-    run = program_function(source.run(), method.key, source.coefficients, {"sin": counting})
-    run((0.0,) * components, 0.0, 0, 1)
-    return calls

@@ -159,11 +159,9 @@ def _derivatives_at(writers: FieldWriters, equations: Equations, moves: Any, jac
         writers.jacobian(t + c[i] * h, place, jacobians[i])
 
 
-def _factored_newton_matrix(
-    band: Band, equations: Equations, jacobians: Any, m: Any, order: Any, layout: Layout
-) -> bool:
+def factored_newton_matrix(band: Band, h: float, a: Any, jacobians: Any, m: Any, order: Any, layout: Layout) -> bool:
     """Overwrite M with the factors of I - h (aᵢⱼ Jⱼ); False if it is singular."""
-    n, h, a = len(equations.y), equations.h, equations.a
+    n = len(jacobians[0])
     for row in m:
         for k in range(len(row)):
             row[k] = 0.0
@@ -200,7 +198,7 @@ def _solved_group(
     _derivatives_at(writers, equations, now[:1], jacobians)
     for j in range(1, stages):
         _copy_rows(jacobians[0], jacobians[j])
-    regular = _factored_newton_matrix(band, equations, jacobians, m, order, layout)
+    regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
     ratio = residual(writers, equations, now, jacobians, g)
     best, left, iterations, evaluations = ratio, _largest_entry(g), 0, stages
     while regular and iterations < MOST_ITERATIONS and isfinite(ratio):
@@ -225,7 +223,7 @@ def _solved_group(
             break
         if damped or ratio > SHRINKS * before:
             _derivatives_at(writers, equations, now, jacobians)
-            regular = _factored_newton_matrix(band, equations, jacobians, m, order, layout)
+            regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
     report[ITERATIONS] += iterations
     report[EVALUATIONS] += evaluations
     solved = best <= 1

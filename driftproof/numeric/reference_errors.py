@@ -168,8 +168,7 @@ def floors(problem: Problem) -> dict[str, float]:
 def largest_state_size(problem: Problem) -> float:
     """Q, the largest norm of the start and of the reference's states: larger errors say nothing about the solution."""
     sizes = (_length(map(Fraction, state)) for state in problem.reference.states)
-    dense = problem.reference.dense
-    return max(_length(problem.start), *sizes, 0.0 if dense is None else dense.largest)
+    return max(_length(problem.start), *sizes, problem.reference.largest_between)
 
 
 def doubt(problem: Problem, steps: int, speed: float) -> float:

@@ -15,11 +15,11 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.elimination import Band, factored, solve
+from driftproof.numeric.elimination import solve
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import ImplicitRun
 from driftproof.numeric.loops import FieldWriters, loop, maker_of_rows
-from driftproof.numeric.newton import combined
+from driftproof.numeric.newton import Layout, combined, factored_newton_matrix
 from driftproof.numeric.step_control import EVALUATIONS, StepControl, error_size
 
 
@@ -87,19 +87,6 @@ def _made_autonomous(field: VectorField) -> VectorField:
     return VectorField((*field.at({"t": f"y{len(field.rates)}"}), "1"), field.parameters)
 
 
-def _factored_stage_matrix(matrix: Any, order: Any, step: float, jacobian: Any, band: Band) -> bool:
-    """Overwrite the matrix with the factors of I - hγJ, `step` = hγ; False if it is singular."""
-    n = len(jacobian)
-    for i in range(n):
-        row, first = matrix[i], max(0, i - band.lower)
-        for j in range(len(row)):
-            row[j] = 0.0
-        for j in range(first, min(n, i + band.upper + 1)):
-            row[j - first] = -(step * jacobian[i][j - first])
-        row[i - first] += 1.0
-    return factored(matrix, order, n, band.lower, band.upper)
-
-
 def _begin_step(writers: FieldWriters, y: Any, work: RosenbrockWork) -> None:
     """Evaluate J and f at the start of a step."""
     writers.jacobian(0.0, y, work.jacobian)
@@ -129,9 +116,10 @@ def _solve_stages(
             slopes[i][k] = rate[k] + h * total
         diagonal = table.gamma[i][i]
         if diagonal != 0:
-            if diagonal != factor and not _factored_stage_matrix(matrix, order, h * diagonal, jacobian, band):
-                return calls, False
-            factor = diagonal
+            if diagonal != factor:
+                factor, layout = diagonal, Layout(n, 1, band.lower, band.upper)
+                if not factored_newton_matrix(band, h, ((diagonal,),), (jacobian,), matrix, order, layout):
+                    return calls, False
             solve(matrix, order, n, slopes[i], band.lower, band.upper)
     return calls, True
 

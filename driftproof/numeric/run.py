@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -103,8 +103,48 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     path = None if {*ON_THE_WAY}.isdisjoint(scene.readouts) else [start]
     record = (lambda q, v: path.append((q, v))) if path is not None else None
     state = integrate(_float_step(method_of(scene.method(key))), force, start, h, scene.steps, record, counter)
-    finished = _Finished(scene, t, start, state, getattr(force, "calls", None), path)
-    return {name: _finite_readout(name, finished) for name in scene.readouts}
+
+    def exact() -> FloatState:
+        q, v = readouts.exact_state(start, t)
+        if not (isfinite(q) and isfinite(v)):
+            raise NonFiniteReadout(f"the exact state at t = {t:g} overflows binary64")
+        return q, v
+
+    def largest_change() -> float:
+        changes = readouts.float_energy_change(tuple(np.array(path).T), start)
+        return float(changes[np.abs(changes).argmax()])
+
+    def not_lost(name: str, value: FloatOrArray, other: bool) -> float:
+        """The energy, or its change, which is 0 for no `other` state than the origin, or the start."""
+        if value == 0 and other and readouts.energy(state) == 0:
+            raise NonFiniteReadout(f"{name} underflows binary64 at {at}")
+        return float(value)
+
+    at = f"the final state ({state[0]:g}, {state[1]:g})"
+    change = partial(readouts.float_energy_change, state, start)
+    read: dict[str, Callable[[], Any]] = {
+        "final_state": lambda: state,
+        "exact_state": lambda: tuple(map(float, exact())),
+        "state_error": lambda: float(readouts.state_error(state, exact())),
+        "energy": lambda: not_lost("energy", readouts.energy(state), any(state)),
+        "energy_change": lambda: not_lost("energy_change", change(), state != start),
+        readouts.ENERGY_ERROR: lambda: float(change()),  # the solution conserves it
+        **dict.fromkeys((LARGEST_CHANGE, readouts.LARGEST_ERROR), largest_change),
+        "phase_error": lambda: readouts.phase_error(state, exact()),
+        "steps": lambda: scene.steps,
+        "evaluations": lambda: getattr(force, "calls", None),
+        TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
+    }
+    return {name: finite(name, read[name], at) for name in scene.readouts}
+
+
+def finite(name: str, read: Callable[[], Any], at: str) -> Any:
+    """The value of a readout. Raises NonFiniteReadout for a float that is not finite, at the state that `at` names."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        value = read()
+    if isinstance(value, float) and not isfinite(value):
+        raise NonFiniteReadout(f"{name} overflows binary64 at {at}")
+    return value
 
 
 def _float_step(method: Method) -> Step:
@@ -136,55 +176,6 @@ def times_of_steps(h: Fraction, steps: int) -> Any:
     if max(steps * abs(h.numerator), h.denominator) >= 2**53:
         raise OverflowError(f"the times of {steps} steps of {h} round more than once; shorten the run or simplify h")
     return np.arange(steps + 1) * h.numerator / h.denominator
-
-
-@dataclass(frozen=True)
-class _Finished:
-    scene: Scene
-    t: float
-    start: FloatState
-    state: FloatState
-    evaluations: int | None
-    path: list[FloatState] | None
-
-    @property
-    def exact(self) -> FloatState:
-        q, v = readouts.exact_state(self.start, self.t)
-        if not (isfinite(q) and isfinite(v)):
-            raise NonFiniteReadout(f"the exact state at t = {self.t:g} overflows binary64")
-        return q, v
-
-
-_READ: dict[str, Callable[[_Finished], Any]] = {
-    "final_state": lambda run: run.state,
-    "exact_state": lambda run: tuple(float(x) for x in run.exact),
-    "state_error": lambda run: float(readouts.state_error(run.state, run.exact)),
-    "energy": lambda run: float(readouts.energy(run.state)),
-    "energy_change": lambda run: float(readouts.float_energy_change(run.state, run.start)),
-    LARGEST_CHANGE: lambda run: _largest(readouts.float_energy_change(tuple(np.array(run.path).T), run.start)),
-    "phase_error": lambda run: readouts.phase_error(run.state, run.exact),
-    "steps": lambda run: run.scene.steps,
-    "evaluations": lambda run: run.evaluations,
-    TRAJECTORY: lambda run: (times_of_steps(run.scene.h, run.scene.steps), np.array(run.path)),
-}
-# The solution conserves it.
-_READ |= {readouts.ENERGY_ERROR: _READ["energy_change"], readouts.LARGEST_ERROR: _READ[LARGEST_CHANGE]}
-
-
-def _largest(changes: FloatOrArray) -> float:
-    return float(changes[np.abs(changes).argmax()])
-
-
-def _finite_readout(name: str, finished: _Finished) -> Any:
-    with np.errstate(over="ignore", invalid="ignore"):
-        value = _READ[name](finished)
-    (q, v), start = finished.state, finished.start
-    unlike_0 = (name == "energy" and (q or v)) or (name == "energy_change" and (q, v) != start)
-    if value == 0 and unlike_0 and readouts.energy((q, v)) == 0:
-        raise NonFiniteReadout(f"{name} underflows binary64 at the final state ({q:g}, {v:g})")
-    if isinstance(value, float) and not isfinite(value):
-        raise NonFiniteReadout(f"{name} overflows binary64 at the final state ({q:g}, {v:g})")
-    return value
 
 
 def nearest_double(x: Fraction, what: str) -> float:

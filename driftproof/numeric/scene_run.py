@@ -14,10 +14,10 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY, TRAJECTORY
 from driftproof.numeric.run import (
     Counter,
-    NonFiniteReadout,
     NonFiniteState,
     Readouts,
     RunEnded,
+    finite,
     require_float_steps,
     run_method,
     times_of_steps,
@@ -72,11 +72,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         LARGEST_ERROR: lambda: off.largest_energy_error(problem, off.Way.of((n * h for n in range(len(path))), path)),
         LARGEST_CHANGE: lambda: off.largest_energy_change(problem, np.array([[*y] for y in path])),
         "steps": lambda: scene.steps,
-        "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
+        "evaluations": lambda: evaluations_of(run, method, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
     }
-    found = {name: read[name]() for name in scene.readouts}
-    for name, value in found.items():
-        if isinstance(value, float) and not isfinite(value):
-            raise NonFiniteReadout(f"{name} overflows binary64 at the final state")
-    return found
+    return {name: finite(name, read[name], "the final state") for name in scene.readouts}

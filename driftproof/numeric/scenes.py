@@ -146,25 +146,10 @@ PRESETS: dict[str, Scene] = {
 }
 
 
-def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] = problem_named) -> Scene:
-    """The preset of this name, or the scene in a file whose name ends in .toml. Raises SceneError.
-
-    `problem_of` returns the Problem that a file names; by default, it looks up a key of the catalogue.
-    """
-    if isinstance(given, Scene):
-        return given
-    name = str(given)
-    if name.endswith(".toml"):
-        return read_scene(Path(name), problem_of)
-    if name in PRESETS:
-        return PRESETS[name]
-    raise SceneError(unknown("scene", name, PRESETS, "`driftproof scene` lists them; a file ends in .toml"))
-
-
 def read_scene(path: Path, problem_of: Callable[[str], Problem] = problem_named) -> Scene:
     """Read a scene from a TOML file, its decimals exactly. Raises SceneError with one line that says where.
 
-    `problem_of` is that of `scene_named`.
+    `problem_of` returns the Problem that a file names; by default, it looks up a key of the catalogue.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory

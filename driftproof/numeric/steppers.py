@@ -8,6 +8,8 @@ infinities and NaN propagate by the rules of IEEE 754.
 
 from __future__ import annotations
 
+from functools import cache
+
 from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
 
@@ -57,8 +59,9 @@ def float_stepper(method: Method | str) -> Step:
     return hand_written(method) or stepper(method, float)
 
 
+@cache
 def evaluations_per_step(method: Method | str) -> int:
-    """The number of force calls per step, counted on one; no step branches on a value, so that all make as many."""
+    """The number of calls of f, or of the force, in a step, counted on one: no step branches on a value."""
     force = CountedForce(oscillator)
     float_stepper(method)(force, *map(float, range(3)))
     return force.calls

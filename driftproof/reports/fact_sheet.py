@@ -28,7 +28,6 @@ from driftproof.symbolic.facts import (
     hidden_by_rounding,
     order_within,
 )
-from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import TERMS, facts_by_name
 from driftproof.symbolic.linear.systems import facts_on_system
 from driftproof.texts.writing.fact_groups import grouped_facts_text
@@ -39,7 +38,7 @@ from driftproof.texts.writing.records import record
 GivenSystem: TypeAlias = str | Sequence[Sequence[ExactNumber]]
 _Derive: TypeAlias = Callable[[Sequence[str]], dict[str, Any]]
 # Where one of these is printed, the claims of orders are examined.
-_CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order")
+_CLAIMED = ("order", "claimed_order", "order_but_for_rounding", "embedded_order", "zero_stable", "root_condition")
 
 
 class FactSheet(Printable):
@@ -66,7 +65,7 @@ class FactSheet(Printable):
     def unreached(self) -> tuple[str, ...]:
         """The orders that are claimed and not reached, not even but for rounding, with what may be wrong, in lines.
 
-        It is empty if no order is among the facts that are printed.
+        It is empty if neither an order nor zero-stability is among the facts that are printed.
         """
         lines: list[str] = []
         for found in false_claims(self._claims_of, self._tolerance) if self._claims_of else ():
@@ -190,8 +189,7 @@ def facts(
     if isinstance(subject, Family):
         if system or order_tolerance is not None:
             raise ValueError(f"{subject.key} is a family; choose one method with `at`, a value of {subject.parameter}")
-        of_family = FamilyFacts(subject)
-        return FactSheet(lambda asked: facts_by_name(of_family, asked or FAMILY_FACTS, FAMILY_FACTS), names)
+        return FactSheet(lambda asked: facts_of_further(subject, asked), names)
     tolerance = None if order_tolerance is None else exact_number(order_tolerance, "order tolerance")
     if isinstance(subject, FurtherMethod):
         if system:

@@ -7,23 +7,30 @@ from pathlib import Path
 
 from driftproof.methods.given_methods import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, scene_named
+from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, SceneError, read_scene
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
-from driftproof.support.plain_text import table
+from driftproof.support.plain_text import table, unknown
 from driftproof.support.results import Answered
 
 
 def scene_given(given: str | Path | Scene) -> Scene:
     """The scene itself, a preset, or the scene in a .toml file, on a problem of ours or your own. Raises ValueError."""
+    if isinstance(given, Scene):
+        return given
+    name = str(given)
+    if name in PRESETS:
+        return PRESETS[name]
+    if not name.endswith(".toml"):
+        raise SceneError(unknown("scene", name, PRESETS, "`driftproof scene` lists them; a file ends in .toml"))
+    return read_scene(Path(name), _problem)
 
-    def problem(name: str) -> Problem:
-        from driftproof.reports.user_problem import problem_given
 
-        return problem_given(name)
+def _problem(name: str) -> Problem:
+    from driftproof.reports.user_problem import problem_given
 
-    return scene_named(given, problem)
+    return problem_given(name)
 
 
 def scene(

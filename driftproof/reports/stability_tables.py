@@ -38,7 +38,9 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
         return f"{title}\n\n{table(rows, right=(1, 2))}{_decay_text(entries)}"
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
-        seen = _seen_text(entry["seen"], by_rounding=entry["limit"] == "oo")
+        seen = _seen_text(
+            entry["seen"], by_rounding=entry["limit"] == "oo", in_blocks=_decides_in_blocks(entry["limit"])
+        )
         rows.append([entry["method"], limit_text(entry), seen, _short(entry["at_infinity"]) or "none"])
     notes = ["observed: the powers of the float step's matrix, in balanced units, stay below 1e9"]
     if any("again" in entry["seen"] for entry in entries):
@@ -83,8 +85,15 @@ def limit_text(entry: Json) -> str:
     return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
 
 
-def _seen_text(seen: Json, *, by_rounding: bool = False) -> str:
+def _decides_in_blocks(limit: Json) -> bool:
+    """True if small h are proved to be bounded, or if only equal eigenvalues that act on each other leave that open."""
+    return limit != "0" and ("refused" not in limit or "Jordan block" in limit["refused"])
+
+
+def _seen_text(seen: Json, *, by_rounding: bool = False, in_blocks: bool = False) -> str:
     low, high = float(seen["bounded"]), float(seen["grows"])
+    if not low and in_blocks:
+        return "not seen: equal eigenvalues that act on each other grow far before they vanish"
     if high == inf:
         return f"up to {with_digits(low, 4)}, the largest tried"
     if by_rounding:

@@ -37,8 +37,9 @@ class UnreachedOrder(NamedTuple):
     remark: str
 
     def __str__(self) -> str:
-        """The claim and the order in one line."""
-        return f"claimed {'embedded ' * self.embedded}order {self.method.claimed_order}, has {self.order}{self.remark}"
+        """The claim, if there is one, and the order in one line."""
+        claimed = f"claimed {'embedded ' * self.embedded}order {self.method.claimed_order}, has "
+        return f"{claimed if self.method.claimed_order else 'order '}{self.order}{self.remark}"
 
 
 def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[UnreachedOrder]:
@@ -46,7 +47,7 @@ def unreached_orders(method: Entry, tolerance: Fraction | None = None) -> list[U
 
     An order holds that is missed only by the rounding of the coefficients, as far as their digits explain it, which is
     proved by a jump of the residuals or said by the table; of a splitting also if it is that on q'' = F(q) alone, which
-    authors of such methods claim; of a multistep method only if it is zero-stable.
+    authors of such methods claim; of a multistep method, also of one that claims none, only if it is zero-stable.
 
     >>> from dataclasses import replace
     >>> from driftproof import METHODS
@@ -92,7 +93,7 @@ def stated_orders(methods: Iterable[Entry]) -> dict[str, str]:
 
 def _exchanged(method: Any) -> Iterator[tuple[str, Entry]]:
     """The table with its rows in other places, and what then may be wrong with the one given."""
-    if isinstance(method, Multistep) and method.rho[0]:
+    if isinstance(method, Multistep) and method.claimed_order and method.rho[0]:
         rows = {name: getattr(method, name)[::-1] for name in ("rho", "sigma")}
         yield (
             "rho and sigma may stand newest first; they go from the oldest value to the new one",
@@ -125,7 +126,7 @@ def _unreached(method: Entry, embedded: bool, tolerance: Fraction | None) -> Unr
     if reached < claimed:
         reached = max(reached, *_but_for_rounding(method))
     if reached >= claimed:
-        unstable = _unstable(method) if isinstance(method, Multistep) and claimed else ""
+        unstable = _unstable(method) if isinstance(method, Multistep) else ""
         return UnreachedOrder(method, embedded, reached, unstable) if unstable else None
     residual, remark = facts.order_fails.residual, ""
     if not isinstance(method, Collocation) and not getattr(method, "field", None):
@@ -161,7 +162,7 @@ def restoring_entries(method: Entry, claimed: int) -> list[str]:
     The first order condition that is linear in the entry, as those of the tall trees are in one of an explicit table,
     leaves one value, for which the order is derived. A c that has the sums of the rows of A follows them.
     """
-    if isinstance(method, Collocation) or len([*method.coefficients()]) > _MOST_ENTRIES:
+    if isinstance(method, Collocation) or not claimed or len([*method.coefficients()]) > _MOST_ENTRIES:
         return []
     method, found = replace(method, claimed_order=claimed), []
     if _unreached(method, False, None) is None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, FurtherMethod
+from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
@@ -17,8 +18,9 @@ from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
+from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
 from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
-from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
+from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MultistepFacts
 from driftproof.symbolic.linear.printed_digits import RoundedOrder
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
@@ -203,7 +205,8 @@ def hidden_by_rounding(facts: Any, names: Sequence[str]) -> dict[str, Any]:
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
-    **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
+    "sector": f"{_NO_R}, and that of this one has an angle whose equation is too long",
+    **dict.fromkeys(("limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "every stage counts: table and method have the same facts",
     "stability_within_digits": "the method is explicit, its residuals show no rounding, or R has no limit at infinity",
     "imaginary_limit_within_digits": "the method is implicit, the limit is not 0, or it is so but for no rounding",
@@ -217,33 +220,34 @@ WHY_NONE = {
 }
 
 
-# For each kind of further method: the class that derives them, their names, and those given on request.
-_FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
-    Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
-    Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
-    Additive: (AdditiveFacts, ADDITIVE_FACTS, ()),
+# For families and each kind of further method: the class that derives them, and their names.
+_FURTHER_METHODS: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...]]] = {
+    Family: (FamilyFacts, FAMILY_FACTS),
+    Multistep: (MultistepFacts, MULTISTEP_FACTS),
+    Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS),
+    Additive: (AdditiveFacts, ADDITIVE_FACTS),
 }
-OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FURTHER_METHODS.values() for names in known for name in names))
+OTHER_FACTS = tuple(dict.fromkeys(name for _, names in _FURTHER_METHODS.values() for name in names))
 
 
-def derived(method: Entry) -> Any:
+def derived(method: Entry | Family) -> Any:
     """The facts of the class for methods of this kind, such as `Facts`."""
     return Facts(method) if isinstance(method, Method) else _FURTHER_METHODS[type(method)][0](method)
 
 
 def facts_of_further(
-    method: FurtherMethod, names: Sequence[str] = (), tolerance: Fraction | None = None
+    method: FurtherMethod | Family, names: Sequence[str] = (), tolerance: Fraction | None = None
 ) -> dict[str, Any]:
-    """The named facts of a method of `FURTHER_METHODS`, by default all but those on request.
+    """The named facts of a family, or of a method of `FURTHER_METHODS`, by default all.
 
     A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
     whose order is always exact.
     """
-    _, known, on_request = _FURTHER_METHODS[type(method)]
+    _, known = _FURTHER_METHODS[type(method)]
     facts = derived(method)
-    if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
+    if others := [name for name in names if name in FACTS and name not in known]:
         raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
-    found = facts_by_name(facts, names or known, (*known, *on_request)) | hidden_by_rounding(facts, names)
+    found = facts_by_name(facts, names or known, known) | hidden_by_rounding(facts, names)
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):
             raise ValueError(f"{method.key} is {method.kind}: its order is exact and takes no tolerance")

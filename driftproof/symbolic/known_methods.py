@@ -194,10 +194,12 @@ def _steps_alike(method: Any, known: Any) -> bool:
     if isinstance(method, Collocation) != isinstance(known, Collocation):
         table, nodes = (known, method) if isinstance(method, Collocation) else (method, known)
         return isinstance(table, RungeKutta) and _collocates(table, nodes)
-    if not (isinstance(method, Nystrom) or (isinstance(method, RungeKutta) and _have_row_sums(method, known))):
+    if not isinstance(method, Nystrom | RungeKutta):
         return False
     mine, its = reduced_stages_of(method), reduced_stages_of(known)
-    return len(mine.a) == len(its.a) and next(matchings(mine, its), None) is not None
+    if len(mine.a) != len(its.a) or not (isinstance(method, Nystrom) or _have_row_sums(method, known)):
+        return False
+    return next(matchings(mine, its), None) is not None
 
 
 def _have_row_sums(*methods: Any) -> bool:

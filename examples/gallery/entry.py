@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -24,17 +26,21 @@ class Entry:
     rounds: str = ""
 
 
-Claim = tuple[str, int | None] | tuple[str, int | None, str]
-
-
 def targets(
-    module: str, package: str, calls: str, claims: Mapping[str, Claim], array: str | None = None, rounds: str = ""
+    module: str, package: str, *, array: str | None = None, rounds: str = "", **claims: Mapping[str, Sequence[Any]]
 ) -> dict[str, Entry]:
-    """The table of a module, named `package step`: of each step the claimed method, its order and its catalogue key."""
-    maker = f"{module}:{array}" if array else None
-    return {
-        f"{package} {step}": Entry(
-            f"{module}:{step}", package, claim[0], claim[1], calls, *claim[2:], array=maker, rounds=rounds
-        )
-        for step, claim in claims.items()
-    }
+    """The table of a module, named `package step`: by calling convention, the claim of each step.
+
+    That is the claimed method, its order and its catalogue key; one that begins with the step itself, which is not a
+    function of the module, gives it its name there.
+    """
+    found = {}
+    for calls, of_steps in claims.items():
+        for step, claim in of_steps.items():
+            made, method, order, *key = claim if callable(claim[0]) else (None, *claim)
+            if made is not None:
+                setattr(sys.modules[module], step, made)
+            found[f"{package} {step}"] = Entry(
+                f"{module}:{step}", package, method, order, calls, *key, array=array, rounds=rounds
+            )
+    return found

@@ -5,7 +5,9 @@ from __future__ import annotations
 from examples.gallery.entry import targets
 
 
-def _dynamics(module, name, **settings):
+def _dynamics(path, **settings):
+    module, _, name = path.partition(".")
+
     def step(force, q, v, h):
         from importlib import import_module
 
@@ -21,23 +23,19 @@ def _dynamics(module, name, **settings):
 
         atoms = Atoms("H", positions=[[q, 0.0, 0.0]], masses=[1.0], calculator=Push())
         atoms.set_velocities([[v, 0.0, 0.0]])
-        getattr(import_module(module), name)(atoms, h, **settings).run(1)
+        getattr(import_module(f"ase.md.{module}"), name)(atoms, h, **settings).run(1)
         return atoms.positions[0, 0], atoms.get_velocities()[0, 0]
 
     return step
 
 
-velocity_verlet = _dynamics("ase.md.verlet", "VelocityVerlet")
-langevin = _dynamics("ase.md.langevin", "Langevin", temperature_K=0.0, friction=0.0, fixcm=False)
-langevin_baoab = _dynamics("ase.md.langevinbaoab", "LangevinBAOAB")
-
+COLD = {"temperature_K": 0.0, "friction": 0.0, "fixcm": False}
 TARGETS = targets(
     __name__,
     "ase",
-    "force",
-    {
-        "velocity_verlet": ("velocity Verlet", 2, "velocity_verlet"),
-        "langevin": ("Langevin, friction 0", 2, "velocity_verlet"),
-        "langevin_baoab": ("BAOAB, no thermostat", 2, "velocity_verlet"),
+    force={
+        "velocity_verlet": (_dynamics("verlet.VelocityVerlet"), "velocity Verlet", 2, "velocity_verlet"),
+        "langevin": (_dynamics("langevin.Langevin", **COLD), "Langevin, friction 0", 2, "velocity_verlet"),
+        "langevin_baoab": (_dynamics("langevinbaoab.LangevinBAOAB"), "BAOAB, no thermostat", 2, "velocity_verlet"),
     },
 )

@@ -24,18 +24,14 @@ def _integrator(name):
     return force_step(make)
 
 
-velocity_verlet, mclachlan, yoshida, omelyan = map(_integrator, ("velocity_verlet", "mclachlan", "yoshida", "omelyan"))
-implicit_midpoint = _integrator("implicit_midpoint")
-
 TARGETS = targets(
     __name__,
     "blackjax",
-    "force",
-    {
-        "velocity_verlet": ("velocity Verlet", 2, "velocity_verlet"),
-        "mclachlan": ("McLachlan's two-stage minimal norm", 2),
-        "yoshida": ("Yoshida", 4, "yoshida4"),
-        "omelyan": ("Omelyan, eleven stages", 4),
-        "implicit_midpoint": ("implicit midpoint", 2, "implicit_midpoint"),
+    force={
+        "velocity_verlet": (_integrator("velocity_verlet"), "velocity Verlet", 2, "velocity_verlet"),
+        "mclachlan": (_integrator("mclachlan"), "McLachlan's two-stage minimal norm", 2),
+        "yoshida": (_integrator("yoshida"), "Yoshida", 4, "yoshida4"),
+        "omelyan": (_integrator("omelyan"), "Omelyan, eleven stages", 4),
+        "implicit_midpoint": (_integrator("implicit_midpoint"), "implicit midpoint", 2, "implicit_midpoint"),
     },
 )

@@ -27,4 +27,4 @@ applied_force = stepper_of(
     advance=lambda its, h: its.world.Step(h, 8, 3),
 )
 
-TARGETS = targets(__name__, "Box2D", "force", {"applied_force": ("semi-implicit Euler", 1, "symplectic_euler")})
+TARGETS = targets(__name__, "Box2D", force={"applied_force": ("semi-implicit Euler", 1, "symplectic_euler")})

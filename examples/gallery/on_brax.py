@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 from examples.gallery.entry import targets
 from examples.gallery.on_mujoco import SLIDER
-from examples.gallery.through_jax import jax64
+from examples.gallery.through_jax import jax64, map_step
 
 
-@cache
-def _compiled():
+@map_step
+def generalized():
+    """One step of `brax.generalized.pipeline`."""
     jax = jax64()
     from brax.generalized import pipeline
     from brax.io import mjcf
@@ -23,13 +22,7 @@ def _compiled():
         stepped = pipeline.step(timed, state, jax.numpy.zeros(timed.act_size()))
         return stepped.q[0], stepped.qd[0]
 
-    return jax.jit(step)
+    return step
 
 
-def generalized(q, v, h):
-    """One step of `brax.generalized.pipeline`."""
-    q1, v1 = _compiled()(float(q), float(v), float(h))
-    return float(q1), float(v1)
-
-
-TARGETS = targets(__name__, "brax", "map", {"generalized": ("semi-implicit Euler", 1, "symplectic_euler")})
+TARGETS = targets(__name__, "brax", map={"generalized": ("semi-implicit Euler", 1, "symplectic_euler")})

@@ -69,26 +69,21 @@ def _plugin(name, **options):
     return step
 
 
-rk = _plugin("rk")
-legendre1, legendre2, legendre3 = (
-    _plugin("collocation", interpolation_order=order, collocation_scheme="legendre") for order in (1, 2, 3)
-)
-radau1, radau2, radau3 = (
-    _plugin("collocation", interpolation_order=order, collocation_scheme="radau") for order in (1, 2, 3)
-)
+def _collocation(scheme, points):
+    return _plugin("collocation", interpolation_order=points, collocation_scheme=scheme)
+
 
 TARGETS = targets(
     __name__,
     "casadi",
-    "field",
-    {
+    field={
         "simple_rk4": ("explicit Runge-Kutta of order 4", 4, "rk4"),
-        "rk": ("Runge-Kutta 4", 4, "rk4"),
-        "legendre1": ("collocation, one Legendre point", 2, "implicit_midpoint"),
-        "legendre2": ("collocation, two Legendre points", 4, "gauss2"),
-        "legendre3": ("collocation, three Legendre points", 6, "gauss3"),
-        "radau1": ("collocation, one Radau point", 1, "backward_euler"),
-        "radau2": ("collocation, two Radau points", 3, "radau_iia2"),
-        "radau3": ("collocation, three Radau points", 5, "radau_iia3"),
+        "rk": (_plugin("rk"), "Runge-Kutta 4", 4, "rk4"),
+        "legendre1": (_collocation("legendre", 1), "collocation, one Legendre point", 2, "implicit_midpoint"),
+        "legendre2": (_collocation("legendre", 2), "collocation, two Legendre points", 4, "gauss2"),
+        "legendre3": (_collocation("legendre", 3), "collocation, three Legendre points", 6, "gauss3"),
+        "radau1": (_collocation("radau", 1), "collocation, one Radau point", 1, "backward_euler"),
+        "radau2": (_collocation("radau", 2), "collocation, two Radau points", 3, "radau_iia2"),
+        "radau3": (_collocation("radau", 3), "collocation, three Radau points", 5, "radau_iia3"),
     },
 )

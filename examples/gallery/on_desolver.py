@@ -22,54 +22,40 @@ def _integrator(name):
     return step
 
 
-euler, midpoint, heun, ralston = map(_integrator, ("EulerSolver", "MidpointSolver", "HeunsSolver", "RalstonsSolver"))
-euler_trap, heun_euler = _integrator("EulerTrapSolver"), _integrator("HeunEulerSolver")
-rk4, rk5, rk45ck, dopri45 = map(_integrator, ("RK4Solver", "RK5Solver", "RK45CKSolver", "DOPRI45"))
-rk8713m, rk108, rk1412 = map(_integrator, ("RK8713MSolver", "RK108Solver", "RK1412Solver"))
-symplectic_euler, bab_s9o7h, aba_s5o6h = map(_integrator, ("SymplecticEulerSolver", "BABs9o7HSolver", "ABAs5o6HSolver"))
-gauss4, gauss6 = _integrator("GaussLegendre4"), _integrator("GaussLegendre6")
-backward_euler, implicit_midpoint, crank_nicolson = map(
-    _integrator, ("BackwardEuler", "ImplicitMidpoint", "CrankNicolson")
-)
-lobatto_iiia2, lobatto_iiia4, lobatto_iiib2 = map(_integrator, ("LobattoIIIA2", "LobattoIIIA4", "LobattoIIIB2"))
-lobatto_iiib4, lobatto_iiic2, lobatto_iiic4 = map(_integrator, ("LobattoIIIB4", "LobattoIIIC2", "LobattoIIIC4"))
-radau_ia3, radau_ia5, radau_iia3, radau_iia5 = map(_integrator, ("RadauIA3", "RadauIA5", "RadauIIA3", "RadauIIA5"))
-
 TARGETS = targets(
     __name__,
     "desolver",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "midpoint": ("midpoint", 2, "midpoint2"),
-        "heun": ("Heun", 2, "heun2"),
-        "ralston": ("Ralston", 2, "ralston2"),
-        "euler_trap": ("Euler-Trapezoidal", 2),
-        "heun_euler": ("adaptive Heun-Euler", 2, "heun2"),
-        "rk4": ("classic 4th order Runge-Kutta", 4, "rk4"),
-        "rk5": ("5th order method of RK45CK", 5, "cash_karp54"),
-        "rk45ck": ("Cash-Karp", 5, "cash_karp54"),
-        "dopri45": ("Dormand-Prince", 5, "dormand_prince54"),
-        "rk8713m": ("Runge-Kutta 8(7)13M", 8, "prince_dormand87"),
-        "rk108": ("Runge-Kutta 10(8), Feagin", 10),
-        "rk1412": ("Runge-Kutta 14(12), Feagin", 14),
-        "symplectic_euler": ("symplectic Euler", 1, "symplectic_euler"),
-        "bab_s9o7h": ("BAB's9o7H", 7),
-        "aba_s5o6h": ("ABAs5o6H", 6),
-        "gauss4": ("Gauss-Legendre 4", 4, "gauss2"),
-        "gauss6": ("Gauss-Legendre 6", 6, "gauss3"),
-        "backward_euler": ("backward Euler", 1, "backward_euler"),
-        "implicit_midpoint": ("implicit midpoint", 2, "implicit_midpoint"),
-        "crank_nicolson": ("Crank-Nicolson", 2, "trapezoid"),
-        "lobatto_iiia2": ("Lobatto IIIA 2", 2, "trapezoid"),
-        "lobatto_iiia4": ("Lobatto IIIA 4", 4, "lobatto_iiia3"),
-        "lobatto_iiib2": ("Lobatto IIIB 2", 2, "lobatto_iiib2"),
-        "lobatto_iiib4": ("Lobatto IIIB 4", 4, "lobatto_iiib3"),
-        "lobatto_iiic2": ("Lobatto IIIC 2", 2, "lobatto_iiic2"),
-        "lobatto_iiic4": ("Lobatto IIIC 4", 4, "lobatto_iiic3"),
-        "radau_ia3": ("Radau IA 3", 3, "radau_ia2"),
-        "radau_ia5": ("Radau IA 5", 5, "radau_ia3"),
-        "radau_iia3": ("Radau IIA 3", 3, "radau_iia2"),
-        "radau_iia5": ("Radau IIA 5", 5, "radau_iia3"),
+    field={
+        "euler": (_integrator("EulerSolver"), "Euler", 1, "forward_euler"),
+        "midpoint": (_integrator("MidpointSolver"), "midpoint", 2, "midpoint2"),
+        "heun": (_integrator("HeunsSolver"), "Heun", 2, "heun2"),
+        "ralston": (_integrator("RalstonsSolver"), "Ralston", 2, "ralston2"),
+        "euler_trap": (_integrator("EulerTrapSolver"), "Euler-Trapezoidal", 2),
+        "heun_euler": (_integrator("HeunEulerSolver"), "adaptive Heun-Euler", 2, "heun2"),
+        "rk4": (_integrator("RK4Solver"), "classic 4th order Runge-Kutta", 4, "rk4"),
+        "rk5": (_integrator("RK5Solver"), "5th order method of RK45CK", 5, "cash_karp54"),
+        "rk45ck": (_integrator("RK45CKSolver"), "Cash-Karp", 5, "cash_karp54"),
+        "dopri45": (_integrator("DOPRI45"), "Dormand-Prince", 5, "dormand_prince54"),
+        "rk8713m": (_integrator("RK8713MSolver"), "Runge-Kutta 8(7)13M", 8, "prince_dormand87"),
+        "rk108": (_integrator("RK108Solver"), "Runge-Kutta 10(8), Feagin", 10),
+        "rk1412": (_integrator("RK1412Solver"), "Runge-Kutta 14(12), Feagin", 14),
+        "symplectic_euler": (_integrator("SymplecticEulerSolver"), "symplectic Euler", 1, "symplectic_euler"),
+        "bab_s9o7h": (_integrator("BABs9o7HSolver"), "BAB's9o7H", 7),
+        "aba_s5o6h": (_integrator("ABAs5o6HSolver"), "ABAs5o6H", 6),
+        "gauss4": (_integrator("GaussLegendre4"), "Gauss-Legendre 4", 4, "gauss2"),
+        "gauss6": (_integrator("GaussLegendre6"), "Gauss-Legendre 6", 6, "gauss3"),
+        "backward_euler": (_integrator("BackwardEuler"), "backward Euler", 1, "backward_euler"),
+        "implicit_midpoint": (_integrator("ImplicitMidpoint"), "implicit midpoint", 2, "implicit_midpoint"),
+        "crank_nicolson": (_integrator("CrankNicolson"), "Crank-Nicolson", 2, "trapezoid"),
+        "lobatto_iiia2": (_integrator("LobattoIIIA2"), "Lobatto IIIA 2", 2, "trapezoid"),
+        "lobatto_iiia4": (_integrator("LobattoIIIA4"), "Lobatto IIIA 4", 4, "lobatto_iiia3"),
+        "lobatto_iiib2": (_integrator("LobattoIIIB2"), "Lobatto IIIB 2", 2, "lobatto_iiib2"),
+        "lobatto_iiib4": (_integrator("LobattoIIIB4"), "Lobatto IIIB 4", 4, "lobatto_iiib3"),
+        "lobatto_iiic2": (_integrator("LobattoIIIC2"), "Lobatto IIIC 2", 2, "lobatto_iiic2"),
+        "lobatto_iiic4": (_integrator("LobattoIIIC4"), "Lobatto IIIC 4", 4, "lobatto_iiic3"),
+        "radau_ia3": (_integrator("RadauIA3"), "Radau IA 3", 3, "radau_ia2"),
+        "radau_ia5": (_integrator("RadauIA5"), "Radau IA 5", 5, "radau_ia3"),
+        "radau_iia3": (_integrator("RadauIIA3"), "Radau IIA 3", 3, "radau_iia2"),
+        "radau_iia5": (_integrator("RadauIIA5"), "Radau IIA 5", 5, "radau_iia3"),
     },
 )

@@ -21,7 +21,9 @@ def _solver(name):
     return field_step(make)
 
 
-def _make_semi_implicit(force):
+@force_step
+def semi_implicit_euler(force):
+    """One step of `SemiImplicitEuler`."""
     import diffrax
 
     terms = (diffrax.ODETerm(lambda t, v, args: v), diffrax.ODETerm(lambda t, q, args: force(q)))
@@ -32,30 +34,20 @@ def _make_semi_implicit(force):
     return step
 
 
-euler, heun, midpoint, ralston = map(_solver, ("Euler", "Heun", "Midpoint", "Ralston"))
-bosh3, tsit5, dopri5, dopri8 = map(_solver, ("Bosh3", "Tsit5", "Dopri5", "Dopri8"))
-leapfrog_midpoint, reversible_heun = _solver("LeapfrogMidpoint"), _solver("ReversibleHeun")
-semi_implicit_euler = force_step(_make_semi_implicit)
-
 TARGETS = targets(
     __name__,
     "diffrax",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "heun": ("Heun", 2, "heun2"),
-        "midpoint": ("midpoint", 2, "midpoint2"),
-        "ralston": ("Ralston", 2, "ralston2"),
-        "bosh3": ("Bogacki-Shampine 3(2)", 3, "bogacki_shampine32"),
-        "tsit5": ("Tsitouras 5(4)", 5, "tsitouras54"),
-        "dopri5": ("Dormand-Prince 5(4)", 5, "dormand_prince54"),
-        "dopri8": ("Dormand-Prince 8(7)", 8, "prince_dormand87"),
-        "leapfrog_midpoint": ("leapfrog/midpoint, two steps, first step Euler", 2),
-        "reversible_heun": ("reversible Heun", 2, "heun2"),
+    field={
+        "euler": (_solver("Euler"), "Euler", 1, "forward_euler"),
+        "heun": (_solver("Heun"), "Heun", 2, "heun2"),
+        "midpoint": (_solver("Midpoint"), "midpoint", 2, "midpoint2"),
+        "ralston": (_solver("Ralston"), "Ralston", 2, "ralston2"),
+        "bosh3": (_solver("Bosh3"), "Bogacki-Shampine 3(2)", 3, "bogacki_shampine32"),
+        "tsit5": (_solver("Tsit5"), "Tsitouras 5(4)", 5, "tsitouras54"),
+        "dopri5": (_solver("Dopri5"), "Dormand-Prince 5(4)", 5, "dormand_prince54"),
+        "dopri8": (_solver("Dopri8"), "Dormand-Prince 8(7)", 8, "prince_dormand87"),
+        "leapfrog_midpoint": (_solver("LeapfrogMidpoint"), "leapfrog/midpoint, two steps, first step Euler", 2),
+        "reversible_heun": (_solver("ReversibleHeun"), "reversible Heun", 2, "heun2"),
     },
-) | targets(
-    __name__,
-    "diffrax",
-    "force",
-    {"semi_implicit_euler": ("semi-implicit Euler", 1, "symplectic_euler_position_first")},
+    force={"semi_implicit_euler": ("semi-implicit Euler", 1, "symplectic_euler_position_first")},
 )

@@ -39,19 +39,12 @@ def _splitting(name):
     return step
 
 
-leapfrog, ruth4 = _splitting("LeapfrogIntegrator"), _splitting("Ruth4Integrator")
-
 TARGETS = targets(
     __name__,
     "gala",
-    "field",
-    {"rk5": ("classical fifth-order Runge-Kutta, Dormand-Prince coefficients", 5, "dormand_prince54")},
-) | targets(
-    __name__,
-    "gala",
-    "force",
-    {
-        "leapfrog": ("leapfrog", 2, "velocity_verlet"),
-        "ruth4": ("Ruth, 4th order", 4, "forest_ruth"),
+    field={"rk5": ("classical fifth-order Runge-Kutta, Dormand-Prince coefficients", 5, "dormand_prince54")},
+    force={
+        "leapfrog": (_splitting("LeapfrogIntegrator"), "leapfrog", 2, "velocity_verlet"),
+        "ruth4": (_splitting("Ruth4Integrator"), "Ruth, 4th order", 4, "forest_ruth"),
     },
 )

@@ -39,18 +39,15 @@ def leapfrog(force, q, v, h):
     return states[-1, 0], states[-1, 1]
 
 
-leapfrog_c, rk4_c, rk6_c = map(_compiled, ("leapfrog_c", "rk4_c", "rk6_c"))
-symplec4_c, symplec6_c = _compiled("symplec4_c"), _compiled("symplec6_c")
-
-TARGETS = targets(__name__, "galpy", "force", {"leapfrog": ("leapfrog", 2, "position_verlet")}) | targets(
+TARGETS = targets(
     __name__,
     "galpy",
-    "map",
-    {
-        "leapfrog_c": ("leapfrog", 2, "position_verlet"),
-        "rk4_c": ("4th-order Runge-Kutta", 4, "rk4"),
-        "rk6_c": ("6th-order Runge-Kutta", 6),
-        "symplec4_c": ("4th-order symplectic", 4, "forest_ruth"),
-        "symplec6_c": ("6th-order symplectic", 6, "yoshida6_position_first"),
+    force={"leapfrog": ("leapfrog", 2, "position_verlet")},
+    map={
+        "leapfrog_c": (_compiled("leapfrog_c"), "leapfrog", 2, "position_verlet"),
+        "rk4_c": (_compiled("rk4_c"), "4th-order Runge-Kutta", 4, "rk4"),
+        "rk6_c": (_compiled("rk6_c"), "6th-order Runge-Kutta", 6),
+        "symplec4_c": (_compiled("symplec4_c"), "4th-order symplectic", 4, "forest_ruth"),
+        "symplec6_c": (_compiled("symplec6_c"), "6th-order symplectic", 6, "yoshida6_position_first"),
     },
 )

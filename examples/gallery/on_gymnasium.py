@@ -58,20 +58,13 @@ def pendulum(force, q, v, h):
     return rod.state[0], rod.state[1]
 
 
-cartpole_euler, cartpole_semi_implicit = _cartpole("euler"), _cartpole("semi-implicit euler")
-
 TARGETS = targets(
     __name__,
     "gymnasium",
-    "field",
-    {"acrobot_rk4": ("4-th order Runge-Kutta", 4, "rk4")},
-) | targets(
-    __name__,
-    "gymnasium",
-    "force",
-    {
-        "cartpole_euler": ("Euler", 1, "forward_euler"),
-        "cartpole_semi_implicit": ("semi-implicit Euler", 1, "symplectic_euler"),
+    field={"acrobot_rk4": ("4-th order Runge-Kutta", 4, "rk4")},
+    force={
+        "cartpole_euler": (_cartpole("euler"), "Euler", 1, "forward_euler"),
+        "cartpole_semi_implicit": (_cartpole("semi-implicit euler"), "semi-implicit Euler", 1, "symplectic_euler"),
         "pendulum": ("(nothing)", None),
     },
 )

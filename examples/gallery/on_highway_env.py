@@ -16,4 +16,4 @@ vehicle = stepper_of(
     _car, velocity="speed", push=lambda car, a: car.act({"acceleration": a, "steering": 0.0}), anew=True
 )
 
-TARGETS = targets(__name__, "highway-env", "force", {"vehicle": ("(nothing)", None)})
+TARGETS = targets(__name__, "highway-env", force={"vehicle": ("(nothing)", None)})

@@ -28,15 +28,12 @@ def _simulation(name, **settings):
     return force_step(make)
 
 
-nve = _simulation("nve")
-langevin = _simulation("nvt_langevin", kT=0.0, gamma=0.0)
-
+COLD = {"kT": 0.0, "gamma": 0.0}
 TARGETS = targets(
     __name__,
     "jax-md",
-    "force",
-    {
-        "nve": ("velocity Verlet", 2, "velocity_verlet"),
-        "langevin": ("BAOAB Langevin, friction 0", 2, "velocity_verlet"),
+    force={
+        "nve": (_simulation("nve"), "velocity Verlet", 2, "velocity_verlet"),
+        "langevin": (_simulation("nvt_langevin", **COLD), "BAOAB Langevin, friction 0", 2, "velocity_verlet"),
     },
 )

@@ -68,6 +68,4 @@ def _integrator(*fixes):
     return step
 
 
-nve = _integrator("nve")
-
-TARGETS = targets(__name__, "lammps", "force", {"nve": ("velocity Verlet", 2, "velocity_verlet")})
+TARGETS = targets(__name__, "lammps", force={"nve": (_integrator("nve"), "velocity Verlet", 2, "velocity_verlet")})

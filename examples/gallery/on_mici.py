@@ -21,21 +21,15 @@ def _integrator(name):
     return step
 
 
-leapfrog, implicit_leapfrog = _integrator("LeapfrogIntegrator"), _integrator("ImplicitLeapfrogIntegrator")
-implicit_midpoint = _integrator("ImplicitMidpointIntegrator")
-bcss2, bcss3 = _integrator("BCSSTwoStageIntegrator"), _integrator("BCSSThreeStageIntegrator")
-bcss4 = _integrator("BCSSFourStageIntegrator")
-
 TARGETS = targets(
     __name__,
     "mici",
-    "force",
-    {
-        "leapfrog": ("position Störmer-Verlet, kicks outside", 2, "velocity_verlet"),
-        "implicit_leapfrog": ("implicit leapfrog", 2, "velocity_verlet"),
-        "implicit_midpoint": ("implicit midpoint", 2, "implicit_midpoint"),
-        "bcss2": ("Blanes-Casas-Sanz-Serna, two stages", 2),
-        "bcss3": ("Blanes-Casas-Sanz-Serna, three stages", 2),
-        "bcss4": ("Blanes-Casas-Sanz-Serna, four stages", 2),
+    force={
+        "leapfrog": (_integrator("LeapfrogIntegrator"), "position Störmer-Verlet, kicks outside", 2, "velocity_verlet"),
+        "implicit_leapfrog": (_integrator("ImplicitLeapfrogIntegrator"), "implicit leapfrog", 2, "velocity_verlet"),
+        "implicit_midpoint": (_integrator("ImplicitMidpointIntegrator"), "implicit midpoint", 2, "implicit_midpoint"),
+        "bcss2": (_integrator("BCSSTwoStageIntegrator"), "Blanes-Casas-Sanz-Serna, two stages", 2),
+        "bcss3": (_integrator("BCSSThreeStageIntegrator"), "Blanes-Casas-Sanz-Serna, three stages", 2),
+        "bcss4": (_integrator("BCSSFourStageIntegrator"), "Blanes-Casas-Sanz-Serna, four stages", 2),
     },
 )

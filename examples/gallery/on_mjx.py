@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from examples.gallery.entry import targets
 from examples.gallery.on_mujoco import SLIDER
-from examples.gallery.through_jax import jax64
+from examples.gallery.through_jax import map_step
 
 
 def _spring(integrator):
-    compiled = []
-
     def make():
-        jax = jax64()
         import mujoco
         from mujoco import mjx
 
@@ -25,26 +22,17 @@ def _spring(integrator):
             stepped = mjx.step(model.tree_replace({"opt.timestep": h}), data)
             return stepped.qpos[0], stepped.qvel[0]
 
-        return jax.jit(step)
+        return step
 
-    def step(q, v, h):
-        if not compiled:
-            compiled.append(make())
-        q1, v1 = compiled[0](float(q), float(v), float(h))
-        return float(q1), float(v1)
+    return map_step(make)
 
-    return step
-
-
-spring_euler, spring_implicitfast, spring_rk4 = map(_spring, ("Euler", "implicitfast", "RK4"))
 
 TARGETS = targets(
     __name__,
     "mujoco-mjx",
-    "map",
-    {
-        "spring_euler": ("semi-implicit Euler", 1, "symplectic_euler"),
-        "spring_implicitfast": ("implicit in velocity, fast", 1, "symplectic_euler"),
-        "spring_rk4": ("4th-order Runge-Kutta", 4, "rk4"),
+    map={
+        "spring_euler": (_spring("Euler"), "semi-implicit Euler", 1, "symplectic_euler"),
+        "spring_implicitfast": (_spring("implicitfast"), "implicit in velocity, fast", 1, "symplectic_euler"),
+        "spring_rk4": (_spring("RK4"), "4th-order Runge-Kutta", 4, "rk4"),
     },
 )

@@ -27,11 +27,11 @@ def _slider(integrator, stiffness=0.0, damping=0.0):
     return model, mujoco.MjData(model)
 
 
-def _moved(model, data, q, v, h):
+def _moved(model, data, q, v, h, applied=0.0):
     import mujoco
 
     mujoco.mj_resetData(model, data)
-    model.opt.timestep = h
+    model.opt.timestep, data.qfrc_applied[0] = h, applied
     data.qpos[0], data.qvel[0] = q, v
     mujoco.mj_step(model, data)
     return float(data.qpos[0]), float(data.qvel[0])
@@ -68,45 +68,26 @@ def _spring(integrator, damping=0.0):
 
 def applied_force(force, q, v, h):
     """The usual use from Python: the force is read once, before the step, whatever the integrator; here RK4."""
-    import mujoco
+    return _moved(*_slider("RK4"), q, v, h, force(q))
 
-    model, data = _slider("RK4")
-    mujoco.mj_resetData(model, data)
-    data.qfrc_applied[0] = force(q)
-    model.opt.timestep = h
-    data.qpos[0], data.qvel[0] = q, v
-    mujoco.mj_step(model, data)
-    return float(data.qpos[0]), float(data.qvel[0])
-
-
-euler, implicit, implicitfast, rk4 = map(_forced, ("Euler", "implicit", "implicitfast", "RK4"))
-spring_euler, spring_implicit = _spring("Euler"), _spring("implicit")
-spring_implicitfast, spring_rk4 = _spring("implicitfast"), _spring("RK4")
-damped_euler, damped_implicit = _spring("Euler", damping=0.5), _spring("implicit", damping=0.5)
-damped_implicitfast = _spring("implicitfast", damping=0.5)
 
 TARGETS = targets(
     __name__,
     "mujoco",
-    "force",
-    {
-        "euler": ("semi-implicit Euler", 1, "symplectic_euler"),
-        "implicit": ("implicit in velocity", 1, "symplectic_euler"),
-        "implicitfast": ("implicit in velocity, fast", 1, "symplectic_euler"),
-        "rk4": ("4th-order Runge-Kutta", 4, "rk4"),
+    force={
+        "euler": (_forced("Euler"), "semi-implicit Euler", 1, "symplectic_euler"),
+        "implicit": (_forced("implicit"), "implicit in velocity", 1, "symplectic_euler"),
+        "implicitfast": (_forced("implicitfast"), "implicit in velocity, fast", 1, "symplectic_euler"),
+        "rk4": (_forced("RK4"), "4th-order Runge-Kutta", 4, "rk4"),
         "applied_force": ("4th-order Runge-Kutta", 4, "rk4"),
     },
-) | targets(
-    __name__,
-    "mujoco",
-    "map",
-    {
-        "spring_euler": ("semi-implicit Euler", 1, "symplectic_euler"),
-        "spring_implicit": ("implicit in velocity", 1, "symplectic_euler"),
-        "spring_implicitfast": ("implicit in velocity, fast", 1, "symplectic_euler"),
-        "spring_rk4": ("4th-order Runge-Kutta", 4, "rk4"),
-        "damped_euler": ("semi-implicit Euler, implicit in damping", 1),
-        "damped_implicit": ("implicit in velocity", 1),
-        "damped_implicitfast": ("implicit in velocity, fast", 1),
+    map={
+        "spring_euler": (_spring("Euler"), "semi-implicit Euler", 1, "symplectic_euler"),
+        "spring_implicit": (_spring("implicit"), "implicit in velocity", 1, "symplectic_euler"),
+        "spring_implicitfast": (_spring("implicitfast"), "implicit in velocity, fast", 1, "symplectic_euler"),
+        "spring_rk4": (_spring("RK4"), "4th-order Runge-Kutta", 4, "rk4"),
+        "damped_euler": (_spring("Euler", damping=0.5), "semi-implicit Euler, implicit in damping", 1),
+        "damped_implicit": (_spring("implicit", damping=0.5), "implicit in velocity", 1),
+        "damped_implicitfast": (_spring("implicitfast", damping=0.5), "implicit in velocity, fast", 1),
     },
 )

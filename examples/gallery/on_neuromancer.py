@@ -7,6 +7,7 @@ from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from examples.gallery.entry import targets
+from examples.gallery.through_torch import TENSOR
 
 
 @cache
@@ -19,13 +20,6 @@ def _integrators():
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def tensor(numbers):
-    """A tensor of double precision."""
-    import torch
-
-    return torch.tensor(numbers, dtype=torch.float64)
 
 
 def _block(function):
@@ -59,31 +53,21 @@ def _second_order(name):
     return step
 
 
-euler, euler_trap, rk2, rk4 = map(_integrator, ("Euler", "Euler_Trap", "RK2", "RK4"))
-rk4_trap, luther, fehlberg = map(_integrator, ("RK4_Trap", "Luther", "Runge_Kutta_Fehlberg"))
-leapfrog, yoshida4 = map(_second_order, ("LeapFrog", "Yoshida4"))
-
 TARGETS = targets(
     __name__,
     "neuromancer",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "euler_trap": ("forward Euler, trapezoidal rule", 2, "heun2"),
-        "rk2": ("RK2", 2, "midpoint2"),
-        "rk4": ("RK4", 4, "rk4"),
-        "rk4_trap": ("RK4 and trapezoidal rule", None),
-        "luther": ("Luther", 6, "luther6"),
-        "fehlberg": ("Runge-Kutta-Fehlberg 5(4)", 5),
+    field={
+        "euler": (_integrator("Euler"), "Euler", 1, "forward_euler"),
+        "euler_trap": (_integrator("Euler_Trap"), "forward Euler, trapezoidal rule", 2, "heun2"),
+        "rk2": (_integrator("RK2"), "RK2", 2, "midpoint2"),
+        "rk4": (_integrator("RK4"), "RK4", 4, "rk4"),
+        "rk4_trap": (_integrator("RK4_Trap"), "RK4 and trapezoidal rule", None),
+        "luther": (_integrator("Luther"), "Luther", 6, "luther6"),
+        "fehlberg": (_integrator("Runge_Kutta_Fehlberg"), "Runge-Kutta-Fehlberg 5(4)", 5),
     },
-    array="tensor",
-) | targets(
-    __name__,
-    "neuromancer",
-    "force",
-    {
-        "leapfrog": ("leapfrog", 2, "velocity_verlet"),
-        "yoshida4": ("Yoshida, 4th order", 4, "forest_ruth"),
+    force={
+        "leapfrog": (_second_order("LeapFrog"), "leapfrog", 2, "velocity_verlet"),
+        "yoshida4": (_second_order("Yoshida4"), "Yoshida, 4th order", 4, "forest_ruth"),
     },
-    array="tensor",
+    array=TENSOR,
 )

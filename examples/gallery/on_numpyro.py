@@ -19,6 +19,6 @@ def _make(force):
     return step
 
 
-velocity_verlet = force_step(_make)
-
-TARGETS = targets(__name__, "numpyro", "force", {"velocity_verlet": ("velocity Verlet", 2, "velocity_verlet")})
+TARGETS = targets(
+    __name__, "numpyro", force={"velocity_verlet": (force_step(_make), "velocity Verlet", 2, "velocity_verlet")}
+)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from examples.gallery.entry import targets
 
 
-def _method(name, answer=lambda result: result):
+def _method(name, answer=None):
+    """One step; of a pair of answers one of them."""
+
     def step(f, t, y, h):
         from ode_explorer.stepfunctions import stepfunctions
 
-        return answer(getattr(stepfunctions, name)().forward(f, (t, y), h))
+        found = getattr(stepfunctions, name)().forward(f, (t, y), h)
+        return found if answer is None else found[answer]
 
     return step
 
@@ -28,29 +31,19 @@ def _hamiltonian(name):
     return step
 
 
-forward_euler, heun, rk4 = map(_method, ("ForwardEulerMethod", "HeunMethod", "RungeKutta4"))
-backward_euler = _method("BackwardEulerMethod")
-dopri45_4, dopri45_5 = _method("DOPRI45", lambda pair: pair[0]), _method("DOPRI45", lambda pair: pair[1])
-euler_a, euler_b = _hamiltonian("EulerA"), _hamiltonian("EulerB")
-
 TARGETS = targets(
     __name__,
     "ode-explorer",
-    "field",
-    {
-        "forward_euler": ("forward Euler", 1, "forward_euler"),
-        "heun": ("Heun", 2, "heun2"),
-        "rk4": ("classic Runge-Kutta of order 4", 4, "rk4"),
-        "backward_euler": ("implicit Euler", 2, "backward_euler"),
-        "dopri45_4": ("Dormand-Prince, 4th order solution", 4),
-        "dopri45_5": ("Dormand-Prince, 5th order solution", 5, "dormand_prince54"),
+    field={
+        "forward_euler": (_method("ForwardEulerMethod"), "forward Euler", 1, "forward_euler"),
+        "heun": (_method("HeunMethod"), "Heun", 2, "heun2"),
+        "rk4": (_method("RungeKutta4"), "classic Runge-Kutta of order 4", 4, "rk4"),
+        "backward_euler": (_method("BackwardEulerMethod"), "implicit Euler", 2, "backward_euler"),
+        "dopri45_4": (_method("DOPRI45", 0), "Dormand-Prince, 4th order solution", 4),
+        "dopri45_5": (_method("DOPRI45", 1), "Dormand-Prince, 5th order solution", 5, "dormand_prince54"),
     },
-) | targets(
-    __name__,
-    "ode-explorer",
-    "force",
-    {
-        "euler_a": ("Euler A", 1, "symplectic_euler_position_first"),
-        "euler_b": ("Euler B", 1, "symplectic_euler"),
+    force={
+        "euler_a": (_hamiltonian("EulerA"), "Euler A", 1, "symplectic_euler_position_first"),
+        "euler_b": (_hamiltonian("EulerB"), "Euler B", 1, "symplectic_euler"),
     },
 )

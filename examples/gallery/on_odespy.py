@@ -15,18 +15,15 @@ def _pair(name):
     return step
 
 
-rk45, rk78, rkf45, rkf78, rkck, rkv = map(_pair, ("rk45", "rk78", "rkf45", "rkf78", "rkck", "rkv"))
-
 TARGETS = targets(
     __name__,
     "odespy",
-    "field",
-    {
-        "rk45": ("Dormand-Prince RK5(4)", 5, "dormand_prince54"),
-        "rk78": ("Dormand-Prince RK8(7)13M", 8, "prince_dormand87"),
-        "rkf45": ("Fehlberg 4th-order RK4(5)", 4),
-        "rkf78": ("Fehlberg 7th-order RK7(8)", 7, "fehlberg78"),
-        "rkck": ("Cash-Karp RK5(4)", 5, "cash_karp54"),
-        "rkv": ("Verner RK6(5)", 6),
+    field={
+        "rk45": (_pair("rk45"), "Dormand-Prince RK5(4)", 5, "dormand_prince54"),
+        "rk78": (_pair("rk78"), "Dormand-Prince RK8(7)13M", 8, "prince_dormand87"),
+        "rkf45": (_pair("rkf45"), "Fehlberg 4th-order RK4(5)", 4),
+        "rkf78": (_pair("rkf78"), "Fehlberg 7th-order RK7(8)", 7, "fehlberg78"),
+        "rkck": (_pair("rkck"), "Cash-Karp RK5(4)", 5, "cash_karp54"),
+        "rkv": (_pair("rkv"), "Verner RK6(5)", 6),
     },
 )

@@ -36,17 +36,13 @@ VELOCITY = (
     lambda context: context.getState(getVelocities=True).getVelocities()[0][0]._value,
     lambda context, v: context.setVelocities([(v, 0.0, 0.0)]),
 )
-verlet = _integrator("VerletIntegrator", 1.0)
-langevin = _integrator("LangevinIntegrator", 0.0, 0.0, 1.0)
-langevin_middle = _integrator("LangevinMiddleIntegrator", 0.0, 0.0, 1.0)
 
 TARGETS = targets(
     __name__,
     "openmm",
-    "force",
-    {
-        "verlet": ("leapfrog Verlet", 2),
-        "langevin": ("Langevin, friction 0", 2),
-        "langevin_middle": ("LFMiddle Langevin, friction 0", 2),
+    force={
+        "verlet": (_integrator("VerletIntegrator", 1.0), "leapfrog Verlet", 2),
+        "langevin": (_integrator("LangevinIntegrator", 0.0, 0.0, 1.0), "Langevin, friction 0", 2),
+        "langevin_middle": (_integrator("LangevinMiddleIntegrator", 0.0, 0.0, 1.0), "LFMiddle Langevin, friction 0", 2),
     },
 )

@@ -32,4 +32,4 @@ def linear_euler(force, q, v, h):
     return body.getPosition().x, body.getVelocity().x
 
 
-TARGETS = targets(__name__, "panda3d", "force", {"linear_euler": ("linear Euler", 1, "forward_euler")})
+TARGETS = targets(__name__, "panda3d", force={"linear_euler": ("linear Euler", 1, "forward_euler")})

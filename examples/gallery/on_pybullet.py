@@ -44,8 +44,7 @@ def undamped(force, q, v, h):
 TARGETS = targets(
     __name__,
     "pybullet",
-    "force",
-    {
+    force={
         "plain": ("semi-implicit Euler", 1, "symplectic_euler"),
         "undamped": ("semi-implicit Euler", 1, "symplectic_euler"),
     },

@@ -38,18 +38,20 @@ def _on_a_spring():
     return its
 
 
+def _push(its, force):
+    its.body.apply_force_at_local_point((force, 0.0))
+
+
 _stepper = partial(
     stepper_of, position="body.position", velocity="body.velocity", advance=lambda its, h: its.space.step(h)
 )
-applied_force = _stepper(_body, push=lambda its, force: its.body.apply_force_at_local_point((force, 0.0)))
-velocity_function, spring = _stepper(_with_velocity_function), _stepper(_on_a_spring)
 
 TARGETS = targets(
     __name__,
     "pymunk",
-    "force",
-    {
-        "applied_force": ("(nothing)", None),
-        "velocity_function": ("(nothing)", None),
+    force={
+        "applied_force": (_stepper(_body, push=_push), "(nothing)", None),
+        "velocity_function": (_stepper(_with_velocity_function), "(nothing)", None),
     },
-) | targets(__name__, "pymunk", "map", {"spring": ("(nothing)", None)})
+    map={"spring": (_stepper(_on_a_spring), "(nothing)", None)},
+)

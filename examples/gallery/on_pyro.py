@@ -38,8 +38,5 @@ def velocity_verlet(force, q, v, h):
 
 
 TARGETS = targets(
-    __name__,
-    "pyro-ppl",
-    "force",
-    {"velocity_verlet": ("second order symplectic velocity Verlet", 2, "velocity_verlet")},
+    __name__, "pyro-ppl", force={"velocity_verlet": ("second order symplectic velocity Verlet", 2, "velocity_verlet")}
 )

@@ -45,18 +45,14 @@ def _method(name):
     return step
 
 
-euler, rk4, tsit5 = map(_method, ("euler_coeff", "rk4_coeff", "tsit5_coeff"))
-vern7, vern9 = _method("vern7_coeff"), _method("vern9_coeff")
-
 TARGETS = targets(
     __name__,
     "qutip",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "rk4": ("Runge-Kutta 4", 4, "rk4"),
-        "tsit5": ("Tsitouras 5", 5, "tsitouras54"),
-        "vern7": ("Verner, most efficient 7", 7),
-        "vern9": ("Verner, most efficient 9", 9),
+    field={
+        "euler": (_method("euler_coeff"), "Euler", 1, "forward_euler"),
+        "rk4": (_method("rk4_coeff"), "Runge-Kutta 4", 4, "rk4"),
+        "tsit5": (_method("tsit5_coeff"), "Tsitouras 5", 5, "tsitouras54"),
+        "vern7": (_method("vern7_coeff"), "Verner, most efficient 7", 7),
+        "vern9": (_method("vern9_coeff"), "Verner, most efficient 9", 9),
     },
 )

@@ -38,24 +38,18 @@ def _advance(simulation, h):
     simulation.synchronize()
 
 
-leapfrog, leapfrog4 = _simulation("leapfrog"), _simulation("leapfrog", order=4)
-leapfrog6, leapfrog8 = _simulation("leapfrog", order=6), _simulation("leapfrog", order=8)
-janus2, janus4, janus6 = (_simulation("janus", order=order) for order in (2, 4, 6))
-janus8, janus10 = (_simulation("janus", order=order) for order in (8, 10))
-
 TARGETS = targets(
     __name__,
     "rebound",
-    "force",
-    {
-        "leapfrog": ("leapfrog", 2, "position_verlet"),
-        "leapfrog4": ("leapfrog, order 4: Yoshida", 4, "forest_ruth"),
-        "leapfrog6": ("leapfrog, order 6", 6),
-        "leapfrog8": ("leapfrog, order 8: Blanes and Casas", 8),
-        "janus2": ("Janus, order 2", 2),
-        "janus4": ("Janus, order 4", 4),
-        "janus6": ("Janus, order 6", 6),
-        "janus8": ("Janus, order 8", 8),
-        "janus10": ("Janus, order 10", 10),
+    force={
+        "leapfrog": (_simulation("leapfrog"), "leapfrog", 2, "position_verlet"),
+        "leapfrog4": (_simulation("leapfrog", order=4), "leapfrog, order 4: Yoshida", 4, "forest_ruth"),
+        "leapfrog6": (_simulation("leapfrog", order=6), "leapfrog, order 6", 6),
+        "leapfrog8": (_simulation("leapfrog", order=8), "leapfrog, order 8: Blanes and Casas", 8),
+        "janus2": (_simulation("janus", order=2), "Janus, order 2", 2),
+        "janus4": (_simulation("janus", order=4), "Janus, order 4", 4),
+        "janus6": (_simulation("janus", order=6), "Janus, order 6", 6),
+        "janus8": (_simulation("janus", order=8), "Janus, order 8", 8),
+        "janus10": (_simulation("janus", order=10), "Janus, order 10", 10),
     },
 )

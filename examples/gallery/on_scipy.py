@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from math import inf
 
 from examples.gallery.entry import targets
 
 
-def _solver(name):
-    """The first step of a solver, its error control out of the way: no error is too large."""
+def solver_of(package, name):
+    """The first step of a solver for `solve_ivp`, its error control out of the way: no error is too large."""
 
     def step(f, t, y, h):
-        from scipy import integrate
-
-        solver = getattr(integrate, name)(f, t, y, t + 2 * h, first_step=abs(h), atol=inf)
+        solver = getattr(import_module(package), name)(f, t, y, t + 2 * h, first_step=abs(h), atol=inf)
         solver.step()
         return solver.y
 
@@ -32,18 +31,14 @@ def _compiled(name):
     return step
 
 
-rk23, rk45, dop853 = _solver("RK23"), _solver("RK45"), _solver("DOP853")
-ode_dopri5, ode_dop853 = _compiled("dopri5"), _compiled("dop853")
-
 TARGETS = targets(
     __name__,
     "scipy",
-    "field",
-    {
-        "rk23": ("Bogacki-Shampine 3(2)", 3, "bogacki_shampine32"),
-        "rk45": ("Dormand-Prince 5(4)", 5, "dormand_prince54"),
-        "dop853": ("DOP853", 8, "dop853"),
-        "ode_dopri5": ("Dormand-Prince 5(4), Hairer's code", 5, "dormand_prince54"),
-        "ode_dop853": ("DOP853, Hairer's code", 8, "dop853"),
+    field={
+        "rk23": (solver_of("scipy.integrate", "RK23"), "Bogacki-Shampine 3(2)", 3, "bogacki_shampine32"),
+        "rk45": (solver_of("scipy.integrate", "RK45"), "Dormand-Prince 5(4)", 5, "dormand_prince54"),
+        "dop853": (solver_of("scipy.integrate", "DOP853"), "DOP853", 8, "dop853"),
+        "ode_dopri5": (_compiled("dopri5"), "Dormand-Prince 5(4), Hairer's code", 5, "dormand_prince54"),
+        "ode_dop853": (_compiled("dop853"), "DOP853, Hairer's code", 8, "dop853"),
     },
 )

@@ -16,18 +16,14 @@ def _algorithm(name):
     return step
 
 
-ito_euler, ito_sri2 = _algorithm("itoEuler"), _algorithm("itoSRI2")
-strat_heun, strat_srs2, strat_kp2is = map(_algorithm, ("stratHeun", "stratSRS2", "stratKP2iS"))
-
 TARGETS = targets(
     __name__,
     "sdeint",
-    "field",
-    {
-        "ito_euler": ("Euler-Maruyama", 1, "forward_euler"),
-        "ito_sri2": ("Rößler's SRI2, order 2 without noise", 2),
-        "strat_heun": ("Stratonovich Heun", 2, "heun2"),
-        "strat_srs2": ("Rößler's SRS2, order 2 without noise", 2),
-        "strat_kp2is": ("Kloeden and Platen's two-step implicit, order 1.0", 1),
+    field={
+        "ito_euler": (_algorithm("itoEuler"), "Euler-Maruyama", 1, "forward_euler"),
+        "ito_sri2": (_algorithm("itoSRI2"), "Rößler's SRI2, order 2 without noise", 2),
+        "strat_heun": (_algorithm("stratHeun"), "Stratonovich Heun", 2, "heun2"),
+        "strat_srs2": (_algorithm("stratSRS2"), "Rößler's SRS2, order 2 without noise", 2),
+        "strat_kp2is": (_algorithm("stratKP2iS"), "Kloeden and Platen's two-step implicit, order 1.0", 1),
     },
 )

@@ -5,13 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from examples.gallery.entry import targets
-
-
-def tensor(numbers):
-    """A tensor of double precision."""
-    import torch
-
-    return torch.tensor(numbers, dtype=torch.float64)
+from examples.gallery.through_torch import TENSOR, tensor
 
 
 def _fixed(method):
@@ -34,33 +28,27 @@ def _adaptive(method):
     return step
 
 
-euler, midpoint, heun2, heun3, rk4 = map(_fixed, ("euler", "midpoint", "heun2", "heun3", "rk4"))
-adaptive_heun, fehlberg2, bosh3 = map(_adaptive, ("adaptive_heun", "fehlberg2", "bosh3"))
-dopri5, dopri8 = map(_adaptive, ("dopri5", "dopri8"))
-
 TARGETS = targets(
     __name__,
     "torchdiffeq",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "midpoint": ("midpoint", 2, "midpoint2"),
-        "heun2": ("Heun", 2, "heun2"),
-        "heun3": ("Heun, third order", 3, "heun3"),
-        "rk4": ("fourth-order Runge-Kutta, 3/8 rule", 4, "rk38"),
+    field={
+        "euler": (_fixed("euler"), "Euler", 1, "forward_euler"),
+        "midpoint": (_fixed("midpoint"), "midpoint", 2, "midpoint2"),
+        "heun2": (_fixed("heun2"), "Heun", 2, "heun2"),
+        "heun3": (_fixed("heun3"), "Heun, third order", 3, "heun3"),
+        "rk4": (_fixed("rk4"), "fourth-order Runge-Kutta, 3/8 rule", 4, "rk38"),
     },
-    array="tensor",
+    array=TENSOR,
 ) | targets(
     __name__,
     "torchdiffeq",
-    "field",
-    {
-        "adaptive_heun": ("Runge-Kutta of order 2", 2, "heun2"),
-        "fehlberg2": ("Runge-Kutta-Fehlberg of order 2", 2),
-        "bosh3": ("Bogacki-Shampine 3", 3, "bogacki_shampine32"),
-        "dopri5": ("Dormand-Prince-Shampine 5", 5, "dormand_prince54"),
-        "dopri8": ("Dormand-Prince-Shampine 8", 8, "prince_dormand87"),
+    field={
+        "adaptive_heun": (_adaptive("adaptive_heun"), "Runge-Kutta of order 2", 2, "heun2"),
+        "fehlberg2": (_adaptive("fehlberg2"), "Runge-Kutta-Fehlberg of order 2", 2),
+        "bosh3": (_adaptive("bosh3"), "Bogacki-Shampine 3", 3, "bogacki_shampine32"),
+        "dopri5": (_adaptive("dopri5"), "Dormand-Prince-Shampine 5", 5, "dormand_prince54"),
+        "dopri8": (_adaptive("dopri8"), "Dormand-Prince-Shampine 8", 8, "prince_dormand87"),
     },
-    array="tensor",
+    array=TENSOR,
     rounds="the answer is read off a polynomial of degree 4 through the ends and the middle of the step",
 )

@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from examples.gallery.entry import targets
-
-
-def tensor(numbers):
-    """A tensor of double precision."""
-    import torch
-
-    return torch.tensor(numbers, dtype=torch.float64)
+from examples.gallery.through_torch import TENSOR, tensor
 
 
 def _solver(name):
@@ -33,25 +27,21 @@ def leapfrog(f, t, y, h):
     return state[: len(y)]
 
 
-euler, midpoint, rk4, dopri5, tsit5 = map(_solver, ("euler", "midpoint", "rk4", "dopri5", "tsit5"))
-
 TARGETS = targets(
     __name__,
     "torchdyn",
-    "field",
-    {
-        "euler": ("explicit Euler", 1, "forward_euler"),
-        "midpoint": ("explicit midpoint", 2, "midpoint2"),
-        "rk4": ("Runge-Kutta 4", 4, "rk4"),
-        "dopri5": ("Dormand-Prince 5", 5, "dormand_prince54"),
-        "tsit5": ("Tsitouras 5", 5, "tsitouras54"),
+    field={
+        "euler": (_solver("euler"), "explicit Euler", 1, "forward_euler"),
+        "midpoint": (_solver("midpoint"), "explicit midpoint", 2, "midpoint2"),
+        "rk4": (_solver("rk4"), "Runge-Kutta 4", 4, "rk4"),
+        "dopri5": (_solver("dopri5"), "Dormand-Prince 5", 5, "dormand_prince54"),
+        "tsit5": (_solver("tsit5"), "Tsitouras 5", 5, "tsitouras54"),
     },
-    array="tensor",
+    array=TENSOR,
 ) | targets(
     __name__,
     "torchdyn",
-    "field",
-    {"leapfrog": ("leapfrog, symplectic", 2)},
-    array="tensor",
+    field={"leapfrog": ("leapfrog, symplectic", 2)},
+    array=TENSOR,
     rounds="half a step with the first slope goes in, and out again",
 )

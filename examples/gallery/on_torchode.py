@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from examples.gallery.entry import targets
-
-
-def tensor(numbers):
-    """A tensor of double precision."""
-    import torch
-
-    return torch.tensor(numbers, dtype=torch.float64)
+from examples.gallery.through_torch import TENSOR, tensor
 
 
 def _method(name):
@@ -33,17 +27,14 @@ def _method(name):
     return step
 
 
-euler, heun, dopri5, tsit5 = map(_method, ("Euler", "Heun", "Dopri5", "Tsit5"))
-
 TARGETS = targets(
     __name__,
     "torchode",
-    "field",
-    {
-        "euler": ("Euler", 1, "forward_euler"),
-        "heun": ("Heun", 2, "heun2"),
-        "dopri5": ("Dormand-Prince 5", 5, "dormand_prince54"),
-        "tsit5": ("Tsitouras 5", 5, "tsitouras54"),
+    field={
+        "euler": (_method("Euler"), "Euler", 1, "forward_euler"),
+        "heun": (_method("Heun"), "Heun", 2, "heun2"),
+        "dopri5": (_method("Dopri5"), "Dormand-Prince 5", 5, "dormand_prince54"),
+        "tsit5": (_method("Tsit5"), "Tsitouras 5", 5, "tsitouras54"),
     },
-    array="tensor",
+    array=TENSOR,
 )

@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from examples.gallery.entry import targets
-
-
-def tensor(numbers):
-    """A tensor of double precision."""
-    import torch
-
-    return torch.tensor(numbers, dtype=torch.float64)
+from examples.gallery.through_torch import TENSOR, tensor
 
 
 def _method(method, sde_type, noise_type="diagonal"):
@@ -31,26 +25,19 @@ def _method(method, sde_type, noise_type="diagonal"):
     return step
 
 
-euler, milstein = _method("euler", "ito"), _method("milstein", "ito")
-srk, srk_additive = _method("srk", "ito"), _method("srk", "ito", "additive")
-midpoint, heun = _method("midpoint", "stratonovich"), _method("heun", "stratonovich")
-euler_heun, reversible_heun = _method("euler_heun", "stratonovich"), _method("reversible_heun", "stratonovich")
-log_ode = _method("log_ode", "stratonovich")
-
 TARGETS = targets(
     __name__,
     "torchsde",
-    "field",
-    {
-        "euler": ("Euler-Maruyama", 1, "forward_euler"),
-        "milstein": ("Milstein", 1, "forward_euler"),
-        "srk": ("Rößler's SRID2, order (3, 1.5)", 3),
-        "srk_additive": ("Rößler's SRA1, order (2, 1.5)", 2),
-        "midpoint": ("midpoint", 2, "midpoint2"),
-        "heun": ("Heun", 2, "heun2"),
-        "euler_heun": ("Euler-Heun", 1, "forward_euler"),
-        "reversible_heun": ("reversible Heun", 2, "heun2"),
-        "log_ode": ("log-ODE, midpoint", 2, "midpoint2"),
+    field={
+        "euler": (_method("euler", "ito"), "Euler-Maruyama", 1, "forward_euler"),
+        "milstein": (_method("milstein", "ito"), "Milstein", 1, "forward_euler"),
+        "srk": (_method("srk", "ito"), "Rößler's SRID2, order (3, 1.5)", 3),
+        "srk_additive": (_method("srk", "ito", "additive"), "Rößler's SRA1, order (2, 1.5)", 2),
+        "midpoint": (_method("midpoint", "stratonovich"), "midpoint", 2, "midpoint2"),
+        "heun": (_method("heun", "stratonovich"), "Heun", 2, "heun2"),
+        "euler_heun": (_method("euler_heun", "stratonovich"), "Euler-Heun", 1, "forward_euler"),
+        "reversible_heun": (_method("reversible_heun", "stratonovich"), "reversible Heun", 2, "heun2"),
+        "log_ode": (_method("log_ode", "stratonovich"), "log-ODE, midpoint", 2, "midpoint2"),
     },
-    array="tensor",
+    array=TENSOR,
 )

@@ -16,6 +16,7 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from docs.pages import markdown
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.report import Report
 from examples.gallery.entry import Entry
@@ -49,17 +50,17 @@ def targets() -> dict[str, Entry]:
     return {name: entry for module in modules for name, entry in module.TARGETS.items()}
 
 
-def installed(entry: Entry) -> str | None:
-    """The version of its package, None where that is not installed."""
+def installed(package: str) -> str | None:
+    """The version of the package, None where it is not installed."""
     try:
-        return version(entry.package)
+        return version(package)
     except PackageNotFoundError:
         return None
 
 
 def row(name: str, entry: Entry) -> tuple[str, ...]:
     """The line of the table on one target."""
-    start = (name, installed(entry) or "", entry.method)
+    start = (name, installed(entry.package) or "", entry.method)
     claimed = "" if entry.order is None else str(entry.order)
     try:
         report = identify(entry.step, calls=entry.calls, array=entry.array, time_limit=TIME_LIMIT)
@@ -113,16 +114,17 @@ def main(parts: Sequence[str]) -> None:
     if parts[:1] == ["--solvers"]:
         import_module("examples.gallery.solver_table").main(parts[1:])
         return
-    entries = {name: entry for name, entry in targets().items() if installed(entry)}
-    versions = {name: installed(entry) for name, entry in entries.items()}
-    rows = asked(lambda name: row(name, entries[name]), versions, parts, KEPT)
-    TABLE.write_text(written([rows[name] for name in entries if name in rows], missing(rows)), encoding="utf-8")
+    entries = targets()
+    rows = asked(lambda name: row(name, entries[name]), {x: e.package for x, e in entries.items()}, parts, KEPT)
+    missing = [name for name in entries if name not in rows]
+    TABLE.write_text(written([rows[name] for name in entries if name in rows], missing), encoding="utf-8")
 
 
 def asked(
-    row: Callable[[str], Sequence[str]], versions: Mapping[str, str | None], parts: Sequence[str], place: Path
+    row: Callable[[str], Sequence[str]], packages: Mapping[str, str], parts: Sequence[str], place: Path
 ) -> dict[str, Sequence[str]]:
-    """The rows of all names, those kept at the place among them, of the version that is installed now."""
+    """The rows of all names whose packages are installed, those kept at the place among them, of these versions."""
+    versions = {name: at for name, package in packages.items() if (at := installed(package)) is not None}
     kept: dict[str, Sequence[str]] = json.loads(place.read_text(encoding="utf-8")) if place.exists() else {}
     rows = {name: line for name, line in kept.items() if name in versions and line[1] == versions[name]}
     chosen = [name for name in versions if (any(part in name for part in parts) if parts else name not in rows)]
@@ -135,24 +137,17 @@ def asked(
     return rows
 
 
-def missing(rows: Mapping[str, Sequence[str]]) -> list[str]:
-    """The targets that have no row."""
-    return [name for name in targets() if name not in rows]
-
-
 def written(rows: Sequence[Sequence[str]], missing: Sequence[str]) -> str:
     """The table in Markdown, and which targets are not in it."""
     findings = FINDINGS.read_text(encoding="utf-8").strip()
     lines = ["# Steppers of other packages, identified from outside", "", HEADLINE, "", findings, ""]
     lines += ["## Every stepper", "", INTRODUCTION, ""]
-    lines += markdown(HEAD, rows)
-    return "\n".join([*lines, "", f"Not asked: {', '.join(missing)}." if missing else "", ""]).rstrip() + "\n"
-
-
-def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table."""
-    table = (head, ["---"] * len(head), *rows)
-    return ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in table]
+    return (
+        "\n".join(
+            [*lines, markdown([HEAD, *rows]), f"Not asked: {', '.join(missing)}." if missing else "", ""]
+        ).rstrip()
+        + "\n"
+    )
 
 
 if __name__ == "__main__":

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from docs.pages import markdown
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.methods.catalogue import METHODS
-from examples.gallery.run import HERE, KEPT, asked, markdown
+from examples.gallery.run import HERE, KEPT, asked, installed
 from examples.gallery.whole_solvers import PACKAGES
 
 PAGE = HERE.parents[1] / "docs" / "gallery_solvers.md"
@@ -40,8 +40,8 @@ def solvers() -> dict[str, tuple[str, str, int | None]]:
 
 def row(name: str) -> tuple[str, ...]:
     """The line of the table on one solver."""
-    path, _, order = solvers()[name]
-    start = (name, _version(name) or "", "" if order is None else str(order))
+    path, package, order = solvers()[name]
+    start = (name, installed(package) or "", "" if order is None else str(order))
     try:
         report = identify_solver(f"examples.gallery.whole_solvers:{path}", time_limit=TIME_LIMIT)
     except ValueError as error:
@@ -59,13 +59,6 @@ def findings(data: Mapping[str, Any]) -> tuple[str, str, str, str]:
     return name, order, law, "; ".join([*data["faults"], *data["remarks"]])
 
 
-def _version(name: str) -> str | None:
-    try:
-        return version(solvers()[name][1])
-    except PackageNotFoundError:
-        return None
-
-
 def written(rows: Sequence[Sequence[str]]) -> str:
     """The page in Markdown, its first sentences counted."""
     pairs = [cells for cells in rows if getattr(METHODS.get(cells[3]), "b_embedded", None) is not None]
@@ -79,12 +72,11 @@ def written(rows: Sequence[Sequence[str]]) -> str:
     title = "# Whole solvers of other packages, identified from outside"
     twice = FINDINGS.read_text(encoding="utf-8").strip()
     lines = [title, "", count, "", SEEN_TWICE, "", twice, "", "## Every solver", "", INTRODUCTION, ""]
-    return "\n".join([*lines, *markdown(HEAD, rows)]) + "\n"
+    return "\n".join([*lines, markdown([HEAD, *rows])])
 
 
 def main(parts: Sequence[str]) -> None:
     """Ask those whose name contains one of the parts; without parts, those that have not been asked; write the page."""
-    versions = {name: _version(name) for name in solvers()}
-    present = {name: at for name, at in versions.items() if at is not None}
-    rows = asked(row, present, parts, ANSWERS)
-    PAGE.write_text(written([rows[name] for name in present if name in rows]), encoding="utf-8")
+    packages = {name: package for name, (_, package, _) in solvers().items()}
+    rows = asked(row, packages, parts, ANSWERS)
+    PAGE.write_text(written([rows[name] for name in packages if name in rows]), encoding="utf-8")

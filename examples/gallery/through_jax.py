@@ -33,31 +33,48 @@ class Callback:
         return np.asarray(self.function(*plain), dtype=np.float64).reshape(np.shape(arguments[-1]))
 
 
+def _compiled(make):
+    """A call of what `make` builds of a callback, compiled once; its first argument is the function called back."""
+    callback, compiled = Callback(), []
+
+    def call(function, *arguments):
+        if not compiled:
+            compiled.append(jax64().jit(make(callback)))
+        callback.function = function
+        return compiled[0](*arguments)
+
+    return call
+
+
 def field_step(make):
     """The step `f, t, y, h` of a compiled one; `make(f)` builds `(t, y, h) -> y1` in JAX, once."""
-    callback, compiled = Callback(), []
+    call = _compiled(make)
 
     def step(f, t, y, h):
         import numpy as np
 
-        if not compiled:
-            compiled.append(jax64().jit(make(callback)))
-        callback.function = f
-        return np.array(compiled[0](float(t), np.asarray(y, dtype=np.float64), float(h)))
+        return np.array(call(f, float(t), np.asarray(y, dtype=np.float64), float(h)))
 
     return step
 
 
 def force_step(make):
     """The step `force, q, v, h` of a compiled one; `make(force)` builds `(q, v, h) -> (q1, v1)` in JAX, once."""
-    callback, compiled = Callback(), []
+    call = _compiled(make)
 
     def step(force, q, v, h):
-        if not compiled:
-            compiled.append(jax64().jit(make(callback)))
-        callback.function = force
-        q1, v1 = compiled[0](float(q), float(v), float(h))
+        q1, v1 = call(force, float(q), float(v), float(h))
         return float(q1), float(v1)
+
+    return step
+
+
+def map_step(make):
+    """The step `q, v, h` of a compiled one; `make()` builds `(q, v, h) -> (q1, v1)` in JAX, once."""
+    step_of_force = force_step(lambda _: make())
+
+    def step(q, v, h):
+        return step_of_force(None, q, v, h)
 
     return step
 

@@ -15,6 +15,7 @@ from flint import arb, ctx, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftproof.methods.common_field import in_one_field
 from driftproof.methods.number_field import (
     Algebraic,
     NumberField,
@@ -189,8 +190,10 @@ def test_numbers_print_as_sums_of_powers() -> None:
     assert str(-r) == "-sqrt(3)"
     assert str(w**2 - w + 1) == "1 - 2**(1/3) + (2**(1/3))**2"
     assert str(r - r) == "0"
-    sum_of_two = NumberField("(a + b)", QUARTIC.minimal, Q(3), Q(4)).generator
-    assert str(sum_of_two**2 / 2 - sum_of_two) == "-(a + b) + 1/2*(a + b)**2"
+    both, cubic = (in_one_field([square_root(2), other]) for other in (square_root(6), w))
+    assert str(both[0] * both[1] + both[1] - 1) == "-1 + sqrt(6) + sqrt(2)*sqrt(6)"
+    assert str(cubic[0] * cubic[1] ** 2 / 3) == "1/3*sqrt(2)*(2**(1/3))**2"
+    assert str(sum(in_one_field([r, square_root(2), square_root(6)]))) == "sqrt(2) + sqrt(3) + sqrt(2)*sqrt(3)"
     assert r.field == NumberField("sqrt(3)", (-3, 0, 1), Q(1), Q(2))
 
 

@@ -92,7 +92,7 @@ def test_evaluations_are_those_of_the_start_and_one_for_each_step_that_needs_it(
         method = next(m for m in FIRST_ORDER if m.key == key)
         run = advance(method, problem)
         run(START, H, 0, 20)
-        assert evaluations_of(run, method, problem, 20) == count, key
+        assert evaluations_of(run, method, 20) == count, key
 
 
 def test_a_run_that_overflows_or_has_no_new_value_says_at_which_step():
@@ -114,4 +114,4 @@ def test_compiled_runs_have_the_same_bits(key):
     method, problem = next(m for m in FIRST_ORDER if m.key == key), made_problem(RATES, START)
     plain, fast = advance(method, problem), advance(method, problem, compiled=True)
     assert plain(START, H, 0, 20) == fast(START, H, 0, 20)
-    assert evaluations_of(plain, method, problem, 20) == evaluations_of(fast, method, problem, 20)
+    assert evaluations_of(plain, method, 20) == evaluations_of(fast, method, 20)

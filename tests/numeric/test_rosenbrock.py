@@ -89,7 +89,7 @@ def test_evaluations_leave_out_stages_at_the_same_place_and_those_for_the_estima
     for method in ENTRIES:
         run = advance(method, problem)
         run((0.5, 0.25), 0.125, 0, 5)
-        assert evaluations_of(run, method, problem, 5) == 5 * counts[method.key], method.key
+        assert evaluations_of(run, method, 5) == 5 * counts[method.key], method.key
     assert {method.key for method in ENTRIES} == {*counts}
 
 

@@ -17,8 +17,8 @@ from driftproof.numeric.scenes import (
     Scene,
     SceneError,
     read_scene,
-    scene_named,
 )
+from driftproof.reports.scenes import scene_given
 from driftproof.strategies import rationals
 
 ASKED = 'readouts = ["energy"]\n'
@@ -61,14 +61,14 @@ def test_full_file_is_read_as_written(tmp_path: Path) -> None:
     text = MINIMAL + (
         'name = "all of it"\nstart = [0.1, "-1/3"]\nmethods = ["rk4", "heun2"]\npanels = ["table", "position"]\n'
     )
-    scene = scene_named(str(written(tmp_path, text)))
+    scene = scene_given(str(written(tmp_path, text)))
     assert (scene.name, scene.start) == ("all of it", (Q(1, 10), Q(-1, 3)))
     assert (scene.methods, scene.panels) == (("rk4", "heun2"), ("table", "position"))
 
 
 def test_a_file_that_names_a_problem_is_of_that_to_its_end(tmp_path: Path) -> None:
     text = MINIMAL.replace("t = 10", 'problem = "kepler"')
-    assert (read_scene(path := written(tmp_path, text)).problem, scene_named(path).t) == (PROBLEMS["kepler"], Q(20))
+    assert (read_scene(path := written(tmp_path, text)).problem, scene_given(path).t) == (PROBLEMS["kepler"], Q(20))
     for more, said in (
         ('panels = ["stability"]', "has no panel stability; choose from table"),
         ('readouts = ["energy", "phase_error"]', "has no readout phase_error; choose from final_state"),
@@ -125,6 +125,6 @@ def test_bad_file_is_refused_in_one_line_that_names_the_file(text: str, tmp_path
 def test_unknown_scene_names_the_closest() -> None:
     for wrong, near in (("defualt", "default"), ("stability_compare", "stability_boundary")):
         with pytest.raises(SceneError, match=rf"unknown scene '{wrong}'; did you mean {near}\b"):
-            scene_named(wrong)
+            scene_given(wrong)
     with pytest.raises(SceneError, match=r"unknown scene 'zzz' \(`driftproof scene` lists them"):
-        scene_named("zzz")
+        scene_given("zzz")

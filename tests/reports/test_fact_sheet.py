@@ -8,6 +8,7 @@ import pytest
 
 from driftproof import METHODS, Facts, facts, value
 from driftproof.methods.catalogue import FURTHER_METHODS
+from driftproof.methods.multistep import Multistep
 from driftproof.reports.fact_sheet import FactSheet
 from driftproof.symbolic.family_facts import FAMILY_FACTS
 
@@ -53,6 +54,8 @@ def test_an_order_that_is_claimed_and_missed_comes_first_with_the_entry_that_may
         "with this one entry changed, order 1 is restored: b_embedded[1] = 1/2 in place of 1/4",
     )
     assert facts(replace(FURTHER_METHODS["bdf3"], claimed_order=4)).unreached == ("claimed order 4, has 3",)
+    unstable = facts(Multistep("m", "", 0, "", (-5, 4, 1), (2, 4, 0)), only=["zero_stable"]).unreached
+    assert unstable == ("order 3, but is not zero-stable: a root is outside the unit circle",)
 
 
 def test_where_no_order_is_asked_for_or_a_tolerance_is_met_no_claim_is_examined():

@@ -20,6 +20,8 @@ def test_where_growth_is_seen_has_ten_digits_and_an_end_of_the_search_four():
     seen = [("0.12345678912", "0.2"), ("0.0", "0.123456"), ("1.23456", "inf")]
     shown = ["up to 0.1234567891", "growth at 0.1235, the smallest tried", "up to 1.235, the largest tried"]
     assert [_seen_text({"bounded": low, "grows": high}) for low, high in seen] == shown
+    hidden = [_seen_text({"bounded": low, "grows": "1.5"}, in_blocks=True) for low in ("0.0", "1.25")]
+    assert [each.partition(":")[0] for each in hidden] == ["not seen", "up to 1.250000000"]
     assert _seen_text({"bounded": "2171.78", "grows": "2180"}, by_rounding=True) == "up to 2172, where rounding grows"
 
 

@@ -18,7 +18,7 @@ from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT
-from driftproof.numeric.reference_errors import decimal_energy, is_oscillator
+from driftproof.numeric.reference_errors import decimal_energy, is_oscillator, largest_state_size
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
 from driftproof.reports.scene_view import readout_rows
@@ -63,6 +63,15 @@ def test_reference_of_a_file_is_enclosed(tmp_path):
     # A quarter of the period 2 pi sqrt(1/9.81) (1 + 1/64 + ...) = 2.038 s is at 0.5095: theta is small and positive.
     assert 0 < Decimal(found.states[-1][0]) < Decimal("0.02")
     assert {len(Decimal(text).as_tuple().digits) for text in found.states[-1]} == {20}
+
+
+@pytest.mark.parametrize(("rates", "start", "end", "largest"), [
+    (["3*y"], ["1"], "1", math.exp(3)), (["t^3"], ["0"], "1", 0.25), (["y1", "0"], ["0", "1"], "1", math.sqrt(2)),
+    (["y1", "-9.81"], ["0", "20"], "4", 20.387359836901122),
+])  # fmt: skip
+def test_the_largest_norm_is_that_up_to_the_end_and_not_of_the_last_step_of_an_enclosure(rates, start, end, largest):
+    found = problem_given({"rates": rates, "start": start, "end": end})
+    assert largest_state_size(found) == pytest.approx(largest, rel=1e-3)
 
 
 def swing(t, y, g=1.0):

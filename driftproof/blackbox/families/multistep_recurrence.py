@@ -293,7 +293,8 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
             error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * max(left, rounding)
             clean = [0.0 if abs(x) <= error else float(x) for x in found]
             return Recurrence((*clean[:k], 1.0), tuple(clean[k:]), derivative, fmt, error)
-    raise NoRecurrence(f"its steps satisfy no recurrence of up to {_MOST_STEPS} steps: not a linear multistep method")
+    where = "with slopes at the states that it returns: no linear multistep method, corrected to the end"
+    raise NoRecurrence(f"its steps satisfy no recurrence of up to {_MOST_STEPS} steps {where}")
 
 
 def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float) -> RecurrenceReading:

@@ -19,7 +19,7 @@ from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.agreement import NOT_BACK
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
-from driftproof.blackbox.judging.own_system import COMPARED, SEEN_BENT, OwnSteps, ends_in_words, table_step
+from driftproof.blackbox.judging.own_steps import COMPARED, SEEN_BENT, OwnSteps, ends_in_words, table_step
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import NUDGES
 from driftproof.blackbox.judging.whole_states import TIMES

@@ -71,10 +71,18 @@ class Program:
         def slopes(t: float, y: Any) -> Array:
             return np.array(taken.rate(t, np.asarray(y).tolist()), dtype=float)
 
+        def in_turn(h: float, y: Any, t: float = taken.t) -> Array:
+            """The slopes of the numbers, each of which moves by h times its own before that of the next is taken."""
+            moved, found = np.array(y), np.zeros(len(y))
+            for j in range(len(moved)):
+                found[j] = slopes(t, moved)[j]
+                moved[j] += h * found[j]
+            return found
+
         q, v = y[positions], y[velocities]
         known: dict[str, Any] = {**tables, "h": taken.h, "t": taken.t, "k": [*room], "Y": [*room], "Q": [*room]}
         known |= {"q": [q], "v": [v]} if "d" in tables else {"q": q, "v": v}
-        known |= {"y": y, "q_only": joined(1.0, 0.0), "v_only": joined(0.0, 1.0)}
+        known |= {"y": y, "in_turn": in_turn, "q_only": joined(1.0, 0.0), "v_only": joined(0.0, 1.0)}
         known["f"] = lambda y, t=taken.t: slopes(t, y)
         known["F"] = lambda q, t=taken.t: slopes(t, joined(q, v))[velocities]
         exec(code, known)
@@ -171,8 +179,7 @@ def edits(method: Method, program: Program, pair: bool) -> Iterator[tuple[str, L
             words = f"{method.parts[i][0]} {i} and {method.parts[i + 1][0]} {i + 1} are exchanged"
             yield words, _splitting_lines(order, method, program.timed)
     elif isinstance(method, RungeKutta | Nystrom):
-        early = _too_early(whole, method.stages, isinstance(method, RungeKutta))
-        yield from (each for each in early if pair or "_only" not in "".join(each[1]))
+        yield from _too_early(whole, method.stages, isinstance(method, RungeKutta), pair)
 
 
 def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
@@ -211,7 +218,7 @@ def _left_out(line: str) -> Iterator[tuple[str, ...]]:
         yield f"{_shown(line)} is left out", start + "]" * ("[" in start.partition("=")[2])
 
 
-def _too_early(lines: Lines, stages: int, runge_kutta: bool) -> Iterator[tuple[str, Lines]]:
+def _too_early(lines: Lines, stages: int, runge_kutta: bool, pair: bool) -> Iterator[tuple[str, Lines]]:
     """Yield the lines that advance the state, or one component of it, while stages are still formed from it."""
     if not runge_kutta:
         yield "v1 moves the position in place of v", (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
@@ -225,12 +232,10 @@ def _too_early(lines: Lines, stages: int, runge_kutta: bool) -> Iterator[tuple[s
             yield f"after k[{i}], {words} are formed from {early}", formed
         for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
             if weight in "".join(lines):
-                turns = (
-                    f"Y[{i}] = Y[{i}] + h * {weight} * k[{i}] * q_only",
-                    f"k[{i}] = k[{i}] * q_only + f(Y[{i}]) * v_only",
-                )
-                words = f"in k[{i}], the position moves by h {weight} k[{i}] before the velocity's slope is taken"
-                yield words, (*lines[: 2 * i + 2], *turns, *lines[2 * i + 2 :])
+                what = ("the position", "the velocity's slope") if pair else ("each number", "the next one's slope")
+                words = f"in k[{i}], {what[0]} moves by h {weight} k[{i}] before {what[1]} is taken"
+                turned = lines[2 * i + 1].replace("f(", f"in_turn(h * {weight}, ")
+                yield words, (*lines[: 2 * i + 1], turned, *lines[2 * i + 2 :])
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import capped_exp, gives_force_times
-from driftproof.blackbox.judging.own_system import COMPARED, OwnSteps, own_system
+from driftproof.blackbox.judging.own_steps import COMPARED, OwnSteps
+from driftproof.blackbox.judging.own_system import own_system
 from driftproof.blackbox.judging.programs import Parameter, Program, StepSeen, edits, one_parameter, programs_of
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.probes.coefficients import simple_rational

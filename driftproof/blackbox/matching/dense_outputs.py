@@ -72,9 +72,11 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
     faults = [] if polynomials is None else [*polynomials.misfits(reading), *polynomials.elsewhere(reading)]
     if polynomials is not None and not faults:
         lines.append(polynomials.smoothness(reading))
-    if key is None and order < step - 1:
+    bent = order == 1 == step - 1 and degree != 1  # the straight line from y to y1 has order 1
+    if key is None and (order < step - 1 or bent):
         only = f"order {order} only{f' at theta = {where}' if len({*orders.values()}) > 1 else ''}"
-        faults.append(f"the dense output has {only}, the steps have order {step}")
+        line = ", no more than the straight line from y to y1" * bent
+        faults.append(f"the dense output has {only}{line}, the steps have order {step}")
     faults += [f"the dense output is not the same everywhere: {remark}" for remark in reading.step.remarks]
     return JudgedDense(order, degree, key, tuple(lines), tuple(faults))
 

@@ -78,13 +78,14 @@ def bumps(t: float, between: float = 0.5) -> float:
     return (-1.0) ** unit * (between + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
 
 
-def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = False) -> ControllerReading:
-    """Read the law of the step sizes, for a pair of the catalogue, from a run of y' = bumps(t). Raises NotReadable.
+def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta | None = None) -> ControllerReading:
+    """Read the law of the step sizes, by the estimate of a pair, from a run of y' = bumps(t). Raises NotReadable.
 
     The slopes depend on t alone: the estimate of each attempt, and with it r, follows from the two rows of the pair,
-    and the factors are observed. Rejected attempts show in the times of the calls. With `paired` the estimate has to be
-    that of the pair that it advances.
+    and the factors are observed. Rejected attempts show in the times of the calls. The pair is one of the catalogue, or
+    that to which the solver is `held`: then the estimate has to be that of the pair that it advances.
     """
+    steps = steps if held is None else steps.held_to(held)
     run, atol, slope = _run(subject)
     attempts = list(attempts_of(run, steps))
     traces = _traces(run, steps, attempts, slope)
@@ -118,10 +119,10 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = F
         if pair := min(steps.pairs, key=power_of_estimate, default=None):
             another = of_another_estimate(subject, pair)
             settled, unsettled = ("", "") if another else settled_steps(subject, steps, pair)
-        lines = tuple(filter(None, [seen, settled, another * (not paired)]))
-        faults = tuple(filter(None, [another * paired, unsettled * (len(few) > _FEW)]))
+        lines = tuple(filter(None, [seen, settled, another * (held is None)]))
+        faults = tuple(filter(None, [another * (held is not None), unsettled * (len(few) > _FEW)]))
         hint = "nor do they settle where that depends on h alone; verify one step that returns its estimate"
-        unseen = f"{seen}, {hint}" if paired and steps.pairs and not settled else ""
+        unseen = f"{seen}, {hint}" if held and steps.pairs and not settled else ""
         faults = traces or faults or tuple(_of_low_order(subject, steps))
         return ControllerReading(None, (*lines, counts), faults, unseen=unseen)
     if traces:  # with slopes of other times, errors differ as well
@@ -137,9 +138,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, paired: bool = F
 
 def _other_row(key: str, steps: SolverSteps) -> str:
     """Say that the row is advanced that the catalogue does not propagate in the pair whose estimate is in a law."""
-    pair, other = (METHODS[key.removesuffix(EMBEDDED_SUFFIX) + row] for row in ("", EMBEDDED_SUFFIX))
-    if steps.pairs and key != other.key:
+    if steps.pairs and not key.endswith(EMBEDDED_SUFFIX):
         return ""
+    pair, other = (METHODS[key.removesuffix(EMBEDDED_SUFFIX) + row] for row in ("", EMBEDDED_SUFFIX))
     row = "lower-order" if other.claimed_order < pair.claimed_order else "other"
     return f"controlled by the estimate of {pair.key}, but advances its {row} row, of order {other.claimed_order}"
 

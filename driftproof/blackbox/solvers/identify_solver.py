@@ -69,7 +69,7 @@ def identify_solver(
     if isinstance(wanted, Family):
         wanted = method_of(wanted)  # raises ValueError
     runner = IsolatedRunner(SolverTarget(solve), time_limit, isolate)
-    controlled = partial(_controlled, paired=isinstance(wanted, RungeKutta) and is_pair(wanted))
+    controlled = partial(_controlled, held=wanted if isinstance(wanted, RungeKutta) and is_pair(wanted) else None)
     steps, controller, runs, seen = runner.run([_steps, controlled, read_runs, _seen])
     if steps.kind == BadInput.kind:
         raise ValueError(steps.seen)
@@ -167,8 +167,8 @@ def _seen(subject: ForeignSolver) -> str:
     return f"{sum(steps)} steps, in {len(sizes)} runs of {' and '.join(filter(None, [', '.join(most), last]))} numbers"
 
 
-def _controlled(subject: ForeignSolver, paired: bool) -> ControllerReading:
-    return read_controller(subject, read_steps(subject), paired)
+def _controlled(subject: ForeignSolver, held: RungeKutta | None) -> ControllerReading:
+    return read_controller(subject, read_steps(subject), held)
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str], list[str]]:

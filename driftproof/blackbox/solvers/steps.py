@@ -24,7 +24,7 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
-from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32
 
 # Runs of a problem whose numbers have all signs and sizes: in words, the origin of its time, start and end, and how
@@ -63,7 +63,7 @@ class SolverSteps:
     The coefficients are quotients by the step size, within a few roundings of the code's own. `nodes` are those of all
     calls that an attempt makes after its start, in order, without the last ones at its end. `dense` is the dense output
     of that step if one is returned; `faults` say where other steps differ. A solver that is not `adaptive` makes no use
-    of the embedded row of a pair.
+    of the embedded row of a pair. `given` is a pair of the user's own that has these stages.
     """
 
     reading: TableauReading
@@ -73,23 +73,28 @@ class SolverSteps:
     dense: JudgedDense | None = None
     faults: tuple[str, ...] = ()
     adaptive: bool = True
+    given: tuple[RungeKutta, ...] = ()
 
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
-        """The catalogue pairs that propagate these stages, if an attempt makes all the calls that they need."""
-        return self._called(self.identity.keys)
+        """The pairs that propagate these stages, if an attempt makes all the calls that they need."""
+        return self._called([*map(METHODS.__getitem__, self.identity.keys), *self.given])
 
     @property
     def other_pairs(self) -> tuple[RungeKutta, ...]:
         """The catalogue pairs whose other row these stages propagate, if an attempt makes all the calls."""
-        rows = ((pair, METHODS[pair.key + EMBEDDED_SUFFIX]) for pair in self._called(METHODS))
+        rows = ((pair, METHODS[pair.key + EMBEDDED_SUFFIX]) for pair in self._called(METHODS.values()))
         return tuple(pair for pair, other in rows if pair.explicit and match_method(self.reading, other).matches)
 
-    def _called(self, keys: Iterable[str]) -> tuple[RungeKutta, ...]:
+    def _called(self, methods: Iterable[Method]) -> tuple[RungeKutta, ...]:
         """The pairs among these, if an attempt makes all the calls that they need."""
-        methods = map(METHODS.__getitem__, keys) if self.adaptive else ()
-        inner = sum(0 < c < 1 for c in self.nodes)
-        return tuple(m for m in methods if is_pair(m) and sum(bool(0 < c < 1) for c in m.c) <= inner)
+        pairs, inner = filter(is_pair, methods if self.adaptive else ()), sum(0 < c < 1 for c in self.nodes)
+        return tuple(pair for pair in pairs if sum(bool(0 < c < 1) for c in pair.c) <= inner)
+
+    def held_to(self, pair: RungeKutta) -> SolverSteps:
+        """The same with a pair of the user's own, if it has these stages."""
+        own = METHODS.get(pair.key) != pair and bool(match_method(self.reading, pair).matches)
+        return replace(self, given=(pair,)) if own else self
 
     @property
     def named(self) -> bool:

@@ -31,6 +31,8 @@ _FEWEST = 3
 _SIZE = 2.0**20  # a power of two: numbers so many times as large are rounded alike
 # The size to which a solution grows: its errors are compared at this tolerance with numbers of that size, or of 1.
 _GROWN, _OF_GROWN = 2.0**16, 1e-4
+# A slope by which y = 1 changes by 2^-8, the tolerance of one kind, and the share of it that the other one is.
+_SLOW, _STEADY, _NEGLIGIBLE = 2.0**-4, 1e-6, 1e-4
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
 # Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
@@ -63,7 +65,7 @@ class RunLines(NamedTuple):
 
 def tolerance_effect(subject: ForeignSolver) -> RunLines:
     """Measure the effect of tolerances, and what errors are compared with, also where it takes too many calls."""
-    grown = _of_growth(subject) if subject.adaptive else []
+    grown = [*_of_growth(subject), *_of_changes(subject)] if subject.adaptive else []
     try:
         known = _on_known_problems(subject)
     except TooSlow as slow:
@@ -214,6 +216,29 @@ def _of_growth(subject: ForeignSolver) -> list[str]:
         if grown > 2 * begun:
             seen = f"of y from 1 to 2^16 its second half takes {grown} steps, from 2^16 on {begun}"
             return [f"errors are not compared with atol + rtol |y| alone, as if y were that at the start: {seen}"]
+    return []
+
+
+def _of_changes(subject: ForeignSolver) -> list[str]:
+    """The fault of far more steps at rtol = tol than at atol = tol where |y| stays near 1, which both scales are then.
+
+    A scale of what y changes in a step, in place of y, is far smaller.
+    """
+    if subject.takes != TOLERANCES:
+        return []
+    counts = list[float]()
+    for settings in ((_STEADY, _STEADY * _NEGLIGIBLE), (_STEADY * _NEGLIGIBLE, _STEADY)):
+        counts.append(inf)
+        with suppress(DoesNotEnd, TooSlow):
+            run = subject.solve(lambda n, t, y: [_SLOW * sin(30 * t)], SPAN, (1.0,), *settings)
+            if run.complaint:  # a refusal shows no steps
+                return []
+            counts[-1] = len(run.t)
+    if counts[0] > 2 * counts[1]:
+        seen = (
+            f"where y stays near 1 it takes {counts[0]} steps at rtol = {_STEADY:g}, {counts[1]} at atol = {_STEADY:g}"
+        )
+        return [f"errors are not compared with atol + rtol |y| alone: {seen}"]
     return []
 
 

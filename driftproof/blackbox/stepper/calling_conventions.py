@@ -44,6 +44,7 @@ VARIANTS = (
     (FORCE, (CARRIED, FUNCTION, POSITION, VELOCITY, STEP)),
     (MAP, (POSITION, VELOCITY, CARRIED, STEP)),
     (FIELD, (FUNCTION, STATE, CARRIED, STEP)),
+    (FIELD, (CARRIED, FUNCTION, STATE, STEP)),
     (FIELD, (FUNCTION, STATE, GRID)),
     (ROSENBROCK, (FUNCTION, JACOBIAN, STATE, STEP)),
     (ROSENBROCK, (FUNCTION, JACOBIAN, TIME_SLOPE, STATE, STEP)),
@@ -65,7 +66,7 @@ STANDARD_ORDER = {
     ROTATION: (QUATERNION, ANGULAR, STEP),
 }
 _FUNCTIONS = (
-    *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
+    *("f", "fn", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
     *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "dydx", "ode", "system"),
     *("dynamics", "terms", "odefun", "fcn", "eom"),
     *("f_explicit", "f_exp", "f_ex", "fex", "fe", "f_e", "explicit", "f_nonstiff", "nonstiff", "f1", "f_slow"),
@@ -126,7 +127,7 @@ ROLES: dict[str, tuple[str, ...]] = {
         *("omega_body", "wb", "av"),
     ),
     CARRIED: (
-        *("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
+        *("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0", "dydx", "dydt"),
         *("f", "force", "forces", "accelerations"),
     ),
 }
@@ -323,11 +324,12 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     factor, run, words = 1.0, GRID in roles, {*map(word_of, names)}
     if {*MASSES} & words and any(is_called(FUNCTION, word) and VERBS.search(word) for word in words):
         return None  # get_acc(x, m) may be asked with an array of masses: `plain_forms`
-    # In f(x, y), as books write it, x is the time.
+    # In f(x, y), as books write it, x is the time, and dx the step size unless there is another one.
     booked = {FUNCTION, STATE} <= {*roles} and words & {"y", "yi"} and not words & {*ROLES[TIME]}
-    meant = {"x": "t", "xi": "t"} if booked else {}
-    meant |= {"q": "y"} if kind == FIELD else {}
     sized, no_roles = size_name(names), (*matrices(names), *launch(names))
+    meant = {"x": "t", "xi": "t", "dx": "dx" if sized else "dt"} if booked else {}
+    meant |= {"q": "y"} if kind == FIELD else {}
+    sized = sized or "dx" * bool(booked)
     for name in names:
         word = meant.get(word_of(name), word_of(name))
         if name == "T" and any(map(str.islower, names)):  # the time at which a run ends

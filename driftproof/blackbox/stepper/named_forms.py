@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import permutations
 from typing import Any
 
 from driftproof.blackbox.stepper import calling_conventions as calling
@@ -15,12 +16,13 @@ from driftproof.blackbox.stepper.wrapper_parts import (
     plain_role,
 )
 
-# The names under which the one argument that says nothing is tried: the state, the velocity, the position.
-_TRIED = ("y", "v", "q")
+# The names under which arguments that say nothing are tried: the state, the velocity, the position, the right-hand side
+# and the time; of more arguments than these, too many things may be meant.
+_TRIED, _MOST = ("y", "v", "q", "f", "t"), 2
 
 
 def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """Yield the step with usual names that it may be: of two gradients, or of one unusual name.
+    """Yield the step with usual names that it may be: of two gradients, or of one or two unusual names.
 
     >>> def euler(rhs, t, c, dt):
     ...     return c + dt * rhs(t, c)
@@ -32,12 +34,14 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         given = arguments_by_role([each for each in names if each not in gradients], calling.FORCE)
         if {"q", "v", "h"} <= {*given.values()} and len(given) + len(gradients) == len(names):
             yield called_with(step, names, {**gradients, **given}, ["force", "q", "v", "h"])
-    unknown = [each for each in names if not _is_known(each)]
-    if calling.size_name(names) and any(plain_role(each) == calling.FUNCTION for each in names):
-        twice = [each for each in names if plain_role(each) == calling.VELOCITY] if not unknown else []
-        for name, usual in ((x, each) for x in (unknown if len(unknown) == 1 else twice[:1]) for each in _TRIED):
-            if usual not in names:
-                yield renamed(step, names, {name: usual})
+    unknown, known = [each for each in names if not _is_known(each)], [*map(plain_role, names)]
+    if not unknown:  # of two velocities one is another thing
+        unknown = [each for each in names if plain_role(each) == calling.VELOCITY][:1]
+    missing = [each for each in _TRIED if each not in names and (each in "yvq" or plain_role(each) not in known)]
+    tried = unknown != [] and len(unknown) <= _MOST and calling.size_name(names) != ""
+    for usual in permutations(missing, len(unknown)) if tried else ():
+        if "f" in usual or calling.FUNCTION in known:
+            yield renamed(step, names, dict(zip(unknown, usual, strict=True)))
 
 
 def renamed(step: Callable[..., Any], names: Sequence[str], usual: Mapping[str, str]) -> Callable[..., Any]:

@@ -152,14 +152,15 @@ def opened(
 
 
 def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
-    """The subject of a form whose names are a guess, which a short step has to leave where it is."""
+    """The subject of a form whose names are a guess: a step moves its state, and a short one leaves it where it is."""
     found = opened(form, *options)
     for trial in TRIALS.get(found.convention.kind, (one_step,)):
         with suppress(findings.Misbehaviour):
-            end = trial(found, TINY**2)
-            if np.allclose(end, TRIAL_STATE[: len(end)], rtol=0, atol=NEAR):
+            far, end = (trial(found, h) for h in (TRIAL_STEP, TINY**2))
+            start = TRIAL_STATE[: len(end)]
+            if not np.array_equal(far, start) and np.allclose(end, start, rtol=0, atol=NEAR):
                 return found
-    raise findings.WrongShape("a short step does not leave its state where it is")
+    raise findings.WrongShape("a short step does not leave its state where it is, or no step moves it")
 
 
 def _stands_still(subject: ForeignStepper) -> bool:

@@ -51,11 +51,10 @@ class DenseSolution:
             found = found * sigma[:, None] + self.coefficients[step, :, k]
         return found
 
-    @cached_property
-    def largest(self) -> float:
-        """The largest norm, looked for LOOKS times in each step."""
+    def largest(self, end: float) -> float:
+        """The largest norm up to the end, beyond which the last step may go, looked for LOOKS times in each step."""
         times = (self.begins + self.lengths * np.arange(LOOKS + 1)[:, None] / LOOKS).ravel()
-        return float(np.hypot.reduce(self.at(times), axis=1).max())
+        return float(np.hypot.reduce(self.at(times.clip(max=end)), axis=1).max())
 
 
 @dataclass(frozen=True)
@@ -81,6 +80,11 @@ class Reference:
             raise ValueError("a reference needs strictly increasing times and one state for each")
         if self.evidence not in KINDS_OF_EVIDENCE:
             raise ValueError(unknown("evidence", self.evidence, KINDS_OF_EVIDENCE))
+
+    @cached_property
+    def largest_between(self) -> float:
+        """The largest norm of the dense solution up to the last of its times; 0 without one."""
+        return self.dense.largest(float(self.times[-1])) if self.dense else 0.0
 
 
 def reference(key: str, evidence: str, source: str) -> Reference:

@@ -85,7 +85,7 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
         del reached[0]
         way = Way.of((n * h for n in reached), reached.values()) if problem.reference.dense else None
         states = {t: reached[n] for n, t in known.items()}
-        return CountedRun(states, evaluations_of(best, method, problem, steps), way)
+        return CountedRun(states, evaluations_of(best, method, steps), way)
 
     def call(run: Advance, steps: int) -> Callable[[], State]:
         return partial(run, start, float_step(problem.t, steps), 0, steps)

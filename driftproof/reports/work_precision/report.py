@@ -199,13 +199,24 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
         implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
-    wanted = [
-        f"For an error of at most {goal_text(goal)} at the end, "
-        f"{_work_text(study, least_work(measured, goal, 'final'))}{_least_time_text(study, measured, goal)}"
-        for goal in study.wanted
-    ]
-    parts = [*wanted, stiff, *parts]
+    parts = [*(_wanted_text(study, measured, goal) for goal in study.wanted), stiff, *parts]
     return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
+
+
+def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
+    """The least work, and the least time, for an error at the end; and the least work for one that is kept all along.
+
+    A solution that comes to rest forgets at its end what a run did on the way.
+    """
+    end, way = (least_work(measured, goal, which) for which in ENDS)
+    where = "at the end" + " and on the way" * (end is not None and end == way)
+    text = f"For an error of at most {goal_text(goal)} {where}, {_work_text(study, end)}"
+    text += _least_time_text(study, measured, goal)
+    if end is None or end == way:
+        return text
+    largest = with_digits(end[1].errors[STATE].largest, 2)
+    said = f"There the largest error on the way is {largest}; for one of {goal_text(goal)}, {_work_text(study, way)}"
+    return f"{text}\n{said}"
 
 
 def _head(study: Study) -> str:

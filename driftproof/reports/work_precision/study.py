@@ -103,33 +103,24 @@ class Study:
         }
 
 
-class ResultStore:
-    """The file in which points are stored as soon as they are measured, whole or not at all; none without a folder."""
-
-    def __init__(self, folder: Path | None, question: dict[str, Any], say: Say) -> None:
-        """Take over the folder's results; `say` in a line if they answer another question or cannot be read."""
-        self.path = folder / "points.json" if folder else None
-        self.question, self.measured = question, Measured()
-        if self.path is not None and self.path.exists():
-            try:
-                self.measured = _from_json(kept(self.path, question))
-            except NotKept as reason:
-                say(f"{self.path} {reason}; everything is measured again")
-
-    def save(self) -> None:
-        """Write everything measured so far."""
-        if self.path is not None:
-            keep(self.path, self.question, asdict(self.measured))
+def held(place: Path | None, question: dict[str, Any], say: Say) -> Measured:
+    """What a file has; nothing, and `say` tells so in a line, if it answers another question or cannot be read."""
+    if place is not None and place.exists():
+        try:
+            return _from_json(kept(place, question))
+        except NotKept as reason:
+            say(f"{place} {reason}; everything is measured again")
+    return Measured()
 
 
-def _from_json(held: dict[str, Any]) -> Measured:
+def _from_json(found: dict[str, Any]) -> Measured:
     curves = {}
-    for key, curve in held["curves"].items():
+    for key, curve in found["curves"].items():
         sizes = [{name: Size(*size) for name, size in point["errors"].items()} for point in curve["points"]]
         points = [Point(**{**point, "errors": errors}) for point, errors in zip(curve["points"], sizes, strict=True)]
         curves[key] = Curve(**{**curve, "points": points})
-    timings = {key: Timing(**timing) for key, timing in held["timings"].items()}
-    return Measured(curves, timings, held["warm_up"], held["absent"], held["refined"])
+    timings = {key: Timing(**timing) for key, timing in found["timings"].items()}
+    return Measured(curves, timings, found["warm_up"], found["absent"], found["refined"])
 
 
 # The function that returns the call to be timed for a point of a curve; those functions by kind.
@@ -159,16 +150,9 @@ def _contestants(study: Study) -> list[_Contestant]:
             found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
-            key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
-            calls = partial(_calls_of_solvers, {peer.kind: solver}, float(problem.t))
-            found.append(_of_solver(key, solver, study, calls))
+            solver = cache(partial(peer.on, problem, name))  # constructed when first used
+            found.append(_of_solvers(f"{peer.name} {name}", {peer.kind: solver}, study))
     return found
-
-
-def _of_solver(key: str, solver: Callable[[], Solver], study: Study, calls: Any) -> _Contestant:
-    return _Contestant(
-        key, partial(_solver_curve, key, solver, study), partial(_tolerance_for_goal, solver, study), calls
-    )
 
 
 def _controlled(method: Entry, study: Study) -> _Contestant:
@@ -179,9 +163,19 @@ def _controlled(method: Entry, study: Study) -> _Contestant:
     }
     for solver in solvers.values():
         solver()
-    key, best = f"{method.key} controlled", list(solvers.values())[-1]
-    calls = partial(_calls_of_solvers, solvers, float(study.problem.t))
-    return _of_solver(key, best, study, calls)
+    return _of_solvers(f"{method.key} controlled", solvers, study)
+
+
+def _of_solvers(key: str, solvers: Mapping[str, Callable[[], Solver]], study: Study) -> _Contestant:
+    """A solver, by the kinds of its times; the curve is that of the last, the fastest."""
+
+    def call(solver: Callable[[], Solver], point: Point) -> Callable[[], State]:
+        return partial(solver().solve, float(point.setting), float(study.problem.t))
+
+    *_, best = solvers.values()
+    calls = {kind: partial(call, solver) for kind, solver in solvers.items()}
+    curve, refined = partial(_solver_curve, key, best, study), partial(_tolerance_for_goal, best, study)
+    return _Contestant(key, curve, refined, lambda: (calls, {}))
 
 
 def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
@@ -190,13 +184,6 @@ def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[s
     except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
-
-
-def _calls_of_solvers(solvers: Mapping[str, Callable[[], Solver]], t: float) -> tuple[_Calls, Mapping[str, str]]:
-    return {
-        kind: lambda point, solver=solver: partial(solver().solve, float(point.setting), t)
-        for kind, solver in solvers.items()
-    }, {}
 
 
 def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve:
@@ -238,33 +225,39 @@ def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
 
 def measure(study: Study, folder: Path | None, say: Say, progress: Progress = lambda more, done: None) -> Measured:
     """Measure all that the study asks for and `folder` does not have: first every error, then times in turns."""
-    everybody, store = _contestants(study), ResultStore(folder, study.question(), say)
-    measured, calls = store.measured, dict[str, Callable[[], object]]()
+    everybody, place, question = _contestants(study), folder and folder / "points.json", study.question()
+    measured, calls = held(place, question, say), dict[str, Callable[[], object]]()
+
+    def save() -> None:
+        """Keep each point as soon as it is measured."""
+        if place is not None:
+            keep(place, question, asdict(measured))
+
     progress(len(everybody), 0)
     for one in everybody:
         if one.key not in measured.curves:
             with stage(f"errors of {one.key}"):
                 measured.curves[one.key] = one.curve()
-            store.save()
+            save()
         if measured.refined.get(one.key, []) != [*study.wanted]:
             with stage(f"errors of {one.key} near those wanted"):
                 measured.curves[one.key] = _with_points_for(study.wanted, one, measured.curves[one.key])
             measured.refined[one.key] = [*study.wanted]
-            store.save()
+            save()
         progress(0, 1)
     for one in everybody:
         with stage(f"compiling {one.key}"):
             made, absent = one.calls()
             measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
             calls |= _begin_timings(study, measured, measured.curves[one.key], made)
-        store.save()
+        save()
     wanted = [name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)]
     progress(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted), 0)
     for name in interleave(calls, measured.timings, limit=study.limit, rounds=ROUNDS, seed=SEED):
         if name:
             progress(0, 1)
         else:
-            store.save()
+            save()
     measured.curves = {one.key: measured.curves[one.key] for one in everybody}
     return measured
 

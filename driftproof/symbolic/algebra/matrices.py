@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
 from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, Scalar, descend, dot
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
@@ -18,10 +18,11 @@ StepMatrix: TypeAlias = tuple[tuple[RationalFunction, ...], ...]
 
 def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
     """The matrix product; FLINT computes it if all entries are rational."""
-    if all(isinstance(x, fmpq) for rows in (a, b) for row in rows for x in row):
+    try:
         return list((fmpq_mat([*map(list, a)]) * fmpq_mat([*map(list, b)])).tolist())
-    columns = list(zip(*b, strict=True))
-    return [[dot(row, column) for column in columns] for row in a]
+    except TypeError:
+        columns = list(zip(*b, strict=True))
+        return [[dot(row, column) for column in columns] for row in a]
 
 
 def faddeev_leverrier(rows: MatrixRows) -> tuple[list[Scalar], list[list[list[Scalar]]]]:

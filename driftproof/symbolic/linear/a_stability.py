@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise, zip_longest
+from itertools import zip_longest
 
-from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
+from flint import arb, fmpq
 
-from driftproof.methods.number_field import as_fmpq, as_fraction, dyadic
+from driftproof.methods.number_field import as_fraction
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
-from driftproof.symbolic.algebra.certified import decide_by_enclosure, settled, sign_of_ball
+from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     ZERO,
@@ -19,17 +19,14 @@ from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     Scalar,
     X,
-    at_ball,
     evaluate,
     from_scalars,
     reflected,
-    scalar,
     sign,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as NO_SECTOR
 from driftproof.symbolic.algebra.real_roots import RealRoot, positive_roots, samples
-from driftproof.symbolic.linear.region import complex_roots
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_bound, imaginary_margin
 
 
@@ -117,109 +114,15 @@ def _next_row(upper: list[Scalar], lower: list[Scalar]) -> list[Scalar]:
     return [u - factor * v for u, v in zip(upper[1:], padded, strict=True)]
 
 
-# First and last precision, in bits, at which balls test a ray. If the last does not decide, |R| may touch 1 on the ray,
-# and the exact test follows. Chosen: the first is about a double; more than the last would only delay the exact test.
-FIRST_SECTOR_BITS, LAST_SECTOR_BITS = 64, 4096
-
-
-class EnclosedTangent:
-    """The number tan α, enclosed by bisection to any precision; `margin` is the result of `ray_margin`.
-
-    |R| <= 1 in the closed sector up to T = tan² if it holds on the two rays and no pole lies inside, by the theorem of
-    Phragmén and Lindelöf for a rational R bounded at infinity. Sectors are nested, so bisection in T finds the largest.
-    """
-
-    def __init__(self, r: RationalFunction, margin: list[Polynomial]) -> None:
-        """Bracket T by a sector that is stable and one that is not. Raises ValueError if the negative axis is not."""
-        self.r, self.margin = r, margin
-        self.low, self.high = Fraction(0), Fraction(1)
-        self._bits, self._poles = FIRST_SECTOR_BITS, dict[int, list[acb]]()
-        if not self.holds(self.low):
-            raise ValueError("|R| > 1 somewhere on the negative real axis, so there is no sector")
-        while self.holds(self.high):
-            self.low, self.high = self.high, 4 * self.high * self.high
-        while not self.low:
-            middle = self.high / 4
-            self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
-
-    def ball(self) -> arb:
-        """A ball around tan α, at Arb's current precision."""
-        while (self.high - self.low) * 2**ctx.prec > self.low:
-            # The exponents are bisected first, as T may be 1e-40 or 1e40.
-            gap = (self.high // self.low).bit_length() // 2
-            middle = self.low * 2**gap if gap > 1 else (self.low + self.high) / 2
-            self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
-        low, high = (arb(as_fmpq(x)).sqrt() for x in (self.low, self.high))
-        return low.union(high)
-
-    def holds(self, square: Fraction) -> bool:
-        """True if |R| <= 1 in the closed sector with tan² = square."""
-        return self._holds_on_rays(square) and not self._has_pole_inside(square)
-
-    def _holds_on_rays(self, square: Fraction) -> bool:
-        """True if |R| <= 1 on the two rays, decided by balls if they suffice, else exactly."""
-        while self._bits <= LAST_SECTOR_BITS:
-            with ctx.workprec(self._bits):
-                x = arb(scalar(square))
-                verdict = positive_in_balls([at_ball(c, x) for c in self.margin])
-            if verdict is not None:
-                return verdict
-            self._bits *= 2
-        self._bits = FIRST_SECTOR_BITS
-        return negative_point(_at(self.margin, scalar(square))) is None
-
-    def _has_pole_inside(self, square: Fraction) -> bool:
-        """True if some pole has Re < 0 and Im² < square Re². A pole with equality would make the margin negative."""
-
-        def read() -> bool | None:
-            if ctx.prec not in self._poles:
-                self._poles[ctx.prec] = complex_roots(self.r.den, ctx.prec)
-            verdicts = [_is_inside(z, square) for z in self._poles[ctx.prec]]
-            return None if None in verdicts else any(verdicts)
-
-        return settled(read)
-
-
-def positive_in_balls(balls: list[arb]) -> bool | None:
-    """Whether p > 0 on (0, oo) for every p with coefficients in these balls, constant term first; None if undecided.
-
-    True if the leading coefficient is positive and no ball around a root meets the positive axis. False if p is
-    negative at one of some points near the roots that may lie on the axis and between them.
-    """
-    leading = sign_of_ball(balls[-1])
-    if leading is None:
-        return None
-    try:
-        roots = acb_poly(balls).roots(tol=arb(2) ** (-ctx.prec // 4))
-    except ValueError:  # the balls of the coefficients are too wide
-        return None
-    near = [z.real.abs_upper() for z in roots if z.imag.contains(0) and sign_of_ball(z.real) != -1]
-    if not near:
-        return leading == 1
-    near.sort(key=dyadic)
-    p = arb_poly(balls)
-    points = [*((a + b) / 2 for a, b in pairwise(near)), *(x / 2 for x in near[:1]), *(2 * x for x in near[-1:])]
-    return False if any(p(x) < 0 for x in points) else None
-
-
-def _is_inside(z: acb, square: Fraction) -> bool | None:
-    """True if the pole z lies in the sector with tan² = square; None if its ball does not decide."""
-    reach = z.real**2 * arb(as_fmpq(square)) - z.imag**2
-    right, within = sign_of_ball(z.real), sign_of_ball(reach)
-    if right == 1 or within == -1:
-        return False
-    return True if (right, within) == (-1, 1) else None
-
-
-# Largest size in bits, by `critical_bits`, of the exact critical polynomial; chosen: longer ones soon take minutes.
-LARGEST_EXACT_BITS = 2**17
+# Largest size in bits, by `critical_bits`, of the critical polynomial; chosen: its roots are found in some seconds.
+LARGEST_CRITICAL_BITS = 2**19
 
 
 @dataclass(frozen=True)
 class Angle:
     """An angle from 0 to 90 degrees, given by its tangent."""
 
-    tangent: Limit | EnclosedTangent
+    tangent: Limit
 
     def __float__(self) -> float:
         """The double nearest to the angle in degrees."""
@@ -238,25 +141,22 @@ class Angle:
         return self.ball
 
 
-def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
+def sector_tangent(r: RationalFunction) -> Limit | None:
     """tan α for the largest α <= 90° with |R(z)| <= 1 wherever |arg(-z)| < α; `oo` if A-stable, 0 without a sector.
 
     On the ray z = x(-1 + it) the margin |Q|² - |P|² is a polynomial in x and T = t². Its sign pattern in x > 0 can
     only change at a T where its leading, trailing or first nonzero principal subresultant coefficient vanishes; one
-    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). If that coefficient is a polynomial of
-    more than LARGEST_EXACT_BITS, bisection encloses the number, unless |R| = 1 somewhere on the negative axis.
+    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). None if that coefficient is a
+    polynomial of more than LARGEST_CRITICAL_BITS.
     """
     if r.num.degree() > r.den.degree():
         return NO_SECTOR
     if a_stability(r):
         return INFINITY
     margin = ray_margin(r)
-    on_axis = _at(margin, fmpq(0))
-    if negative_point(on_axis) is not None:
+    if negative_point(_at(margin, fmpq(0))) is not None:
         return NO_SECTOR
-    if critical_bits(margin) > LARGEST_EXACT_BITS and not positive_roots([on_axis]):
-        return EnclosedTangent(r, margin)
-    return sector_tangent_by_rays(margin)
+    return None if critical_bits(margin) > LARGEST_CRITICAL_BITS else sector_tangent_by_rays(margin)
 
 
 def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:

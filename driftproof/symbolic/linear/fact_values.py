@@ -10,7 +10,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction, rational_function_text
 from driftproof.symbolic.linear import invariants, oscillator
-from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
+from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.stability_limits import Limit
 
 
@@ -75,7 +75,7 @@ class AStability(NamedTuple):
 class Sector(NamedTuple):
     """The sector |arg(-z)| < α by tan α, and α in degrees."""
 
-    tan: Limit | EnclosedTangent
+    tan: Limit
     degrees: Angle
 
 

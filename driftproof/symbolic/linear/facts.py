@@ -194,11 +194,9 @@ class LinearFacts:
 
     @cached_property
     def sector(self) -> Sector | None:
-        """The widest sector in which |R(z)| <= 1, for A(α)-stability; None without R(z)."""
-        if self._r is None:
-            return None
-        tangent = INFINITY if self.a_stable else sector_tangent(self._r)
-        return Sector(tangent, Angle(tangent))
+        """The widest sector in which |R(z)| <= 1, for A(α)-stability; None without R(z), or if that takes too long."""
+        tangent = None if self._r is None else INFINITY if self.a_stable else sector_tangent(self._r)
+        return None if tangent is None else Sector(tangent, Angle(tangent))
 
     limit_at_infinity = _from_r(lambda r: _at_infinity(r), "The limit of R(z) at infinity; None without R(z).")
 

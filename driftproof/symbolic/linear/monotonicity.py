@@ -12,7 +12,6 @@ from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
     X,
-    coefficients,
     descend,
     dot,
     from_scalars,
@@ -64,5 +63,5 @@ def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     common, terms = from_scalars(found), [matrix_product(rows, m) for m in matrices]
     entries = [[from_scalars([term[i][j] for term in terms]) for j in size] for i in range(len(rows))]
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
-    distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p}
+    distinct = {str(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p}
     return list(distinct.values())

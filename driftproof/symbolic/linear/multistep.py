@@ -24,7 +24,6 @@ from driftproof.symbolic.algebra.polynomials import (
     even_part,
     greatest_common_divisor,
     interpolate,
-    modulus_squared_on_imaginary_axis,
     odd_part,
     polynomial,
     quotient,
@@ -48,14 +47,13 @@ from driftproof.symbolic.linear.printed_digits import RoundedOrder, order_within
 from driftproof.symbolic.linear.root_condition import (
     RootCondition,
     half_plane_form,
+    on_circle,
+    reciprocal,
     root_condition,
     root_condition_limit,
     valuation,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
-
-# Points of the root locus as a fact, on each side of ζ = i; chosen: enough to show its shape.
-_LOCUS_POINTS = 6
 
 
 class Residual(NamedTuple):
@@ -72,20 +70,11 @@ class Barrier(NamedTuple):
     attained: bool
 
 
-class LocusPoint(NamedTuple):
-    """The point z = ρ(ζ)/σ(ζ) for ζ = cosine + i sine on the unit circle, exact."""
-
-    cosine: Fraction
-    sine: Fraction
-    re: Fraction
-    im: Fraction
-
-
 class MultistepFacts(FactsOfFamily[Multistep]):
     """The exact facts about a linear multistep method, each derived at its first use.
 
     Facts about y' = λy with z = hλ are None for methods for y'' = F(y). If rho and sigma have a `common_factor`, then
-    zero-stability is that of rho as written, but stability at z is that of the method without the factor.
+    its roots, too, are ζ of numerical solutions ζⁿ, for every z: all facts are about the formula as written.
 
     >>> from driftproof.methods.catalogue import FURTHER_METHODS
     >>> facts = MultistepFacts(FURTHER_METHODS["bdf2"])
@@ -108,8 +97,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     @cached_property
     def common_factor(self) -> ExactFunction | None:
         """The greatest common divisor of rho and sigma; None if the method is irreducible."""
-        found = greatest_common_divisor(*self._written)
-        return None if not found.degree() else ExactFunction(fraction(found), "zeta")
+        return ExactFunction(fraction(self._common), "zeta") if self._common.degree() else None
 
     @cached_property
     def order(self) -> int:
@@ -179,8 +167,9 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     def a_stability(self) -> AStability | None:
         """A-stability with its reason; if it fails on the locus, `witness` is the tan²(arg ζ/2) of a point there.
 
-        A method is A-stable exactly if ρ/σ is positive real outside the unit disc: Re(ρ/σ) >= 0 on the circle, and no
-        root of ρ + σ on or outside it. Raises AssertionError if this contradicts the second barrier (dahlquist-1963).
+        Without a common factor, a method is A-stable exactly if ρ/σ is positive real outside the unit disc: Re(ρ/σ) is
+        >= 0 on the circle, and no root of ρ + σ on or outside it. A factor may have roots in the disc, and simple ones
+        on the circle where Re(ρ/σ) is not 0. Raises AssertionError if the second barrier contradicts (dahlquist-1963).
         """
         if self.method.derivative != 1:
             return None
@@ -195,28 +184,22 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         """The widest sector |arg(-z)| < α of stability, for A(α)-stability; None for y'' = F(y)."""
         if self.method.derivative != 1:
             return None
-        tangent = INFINITY if self.a_stable else self._sector_tangent()
+        bounded = root_condition(self._common).holds
+        tangent = INFINITY if self.a_stable else self._sector_tangent() if bounded else ZERO_ROOT
         return Sector(tangent, Angle(tangent))
 
     @cached_property
     def real_limit(self) -> Limit | None:
         """The largest x₀ such that numerical solutions stay bounded for every z in (-x₀, 0); None for y'' = F(y)."""
-        return None if self.method.derivative != 1 else root_condition_limit(*self._irreducible)
+        return None if self.method.derivative != 1 else root_condition_limit(*self._irreducible, self._common)
 
     @cached_property
     def imaginary_limit(self) -> Limit:
         """The largest y₀ such that numerical solutions stay bounded for z = iy, or hω = y on y'' = -ω²y, 0 < y < y₀."""
         rho, sigma = self._irreducible
         squares = (rho * rho, sigma * sigma) if self.method.derivative == 1 else (rho, sigma)
-        found = root_condition_limit(*squares)
+        found = root_condition_limit(*squares, self._common)
         return found.square_root() if isinstance(found, RealRoot) else found
-
-    @cached_property
-    def root_locus(self) -> list[LocusPoint]:
-        """Points z = ρ(ζ)/σ(ζ) with |ζ| = 1 and Im ζ > 0, at which ζ is a root of ρ - zσ; poles are left out."""
-        halves = [Fraction(k, _LOCUS_POINTS) for k in range(1, _LOCUS_POINTS)]
-        found = (self._locus_point(t) for t in [*halves, Fraction(1), *(1 / t for t in reversed(halves))])
-        return [point for point in found if point is not None]
 
     def residual(self, power: int) -> Fraction:
         """The residual on solutions tᵖ, over p!, p = `power`."""
@@ -227,10 +210,13 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         return polynomial(self.method.rho), polynomial(self.method.sigma)
 
     @cached_property
+    def _common(self) -> Polynomial:
+        return greatest_common_divisor(*self._written)
+
+    @cached_property
     def _irreducible(self) -> tuple[Polynomial, Polynomial]:
         rho, sigma = self._written
-        common = greatest_common_divisor(rho, sigma)
-        return quotient(rho, common), quotient(sigma, common)
+        return quotient(rho, self._common), quotient(sigma, self._common)
 
     @cached_property
     def _in_half_plane(self) -> tuple[Polynomial, Polynomial]:
@@ -256,7 +242,22 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         negative = negative_point(self._on_circle[0])
         if negative is not None:
             return False, "Re(rho/sigma) < 0 on the unit circle, at the given tan(arg/2)**2", negative
+        if not root_condition(self._common).holds:
+            return False, "the common factor of rho and sigma does not satisfy the root condition", None
+        if self._doubles_a_root():
+            return False, "the common factor of rho and sigma doubles a root on the unit circle, where Re z = 0", None
         return True, "Re(rho/sigma) >= 0 on the unit circle, and rho + sigma has all roots inside (Routh)", None
+
+    def _doubles_a_root(self) -> bool:
+        """True if Re(ρ/σ) = 0 at a root ζ of the common factor, on the circle: there the conjugate of ρ is that of 1/ζ.
+
+        At a pole of ρ/σ, no finite z has the root ζ twice.
+        """
+        rho, sigma = self._irreducible
+        on = on_circle(self._common)
+        on = quotient(on, greatest_common_divisor(on, sigma))
+        real = rho * reciprocal(sigma, rho.degree()) + reciprocal(rho, rho.degree()) * sigma
+        return bool(greatest_common_divisor(on, real).degree() > 0)
 
     def _sector_tangent(self) -> Limit:
         """tan α, the least |Im z|/|Re z| on the part of the locus with Re z < 0, which bounds the stability region.
@@ -268,36 +269,25 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         if not self._stable_at_minus_one():
             return ZERO_ROOT
         m, k = self._on_circle
+        if not k:
+            return ZERO_ROOT
         common = greatest_common_divisor(m, k)
         top, bottom = quotient(k, common), quotient(m, common)
         slope = (top + 2 * X * top.derivative()) * bottom - 2 * X * top * bottom.derivative()
         points = positive_roots([p for p in (m, top, slope, common) if p])
         below = [sign(m(x)) == -1 for x in samples(points)]
         at_ends = (below[0] and valuation(bottom) <= valuation(top), below[-1] and bottom.degree() > top.degree())
-        if not top or any(at_ends):
+        if any(at_ends):
             return ZERO_ROOT
         near = [x for x, left, right in zip(points, below, below[1:], strict=False) if left or right]
         values = [_square_of_tangent(top, bottom, x) for x in near if not vanishes_at(bottom, x)]
         least = smallest(values)
         return least.square_root() if isinstance(least, RealRoot) else least
 
-    def _locus_point(self, half: Fraction) -> LocusPoint | None:
-        """The point of the locus at w = i `half`, half = tan(arg ζ/2); None at a pole."""
-        _, s = self._in_half_plane
-        square = as_fmpq(half * half)
-        size = modulus_squared_on_imaginary_axis(s)(square)
-        if not size:
-            return None
-        m, k = self._on_circle
-        re, im = (as_fraction(p(square) / size) for p in (m, k))
-        return LocusPoint((1 - half * half) / (1 + half * half), 2 * half / (1 + half * half), re, half * im)
 
-
-MULTISTEP_ON_REQUEST = ("root_locus",)
 _IDENTITY = ("method", "title", "family", "derivative", "source", "steps", "explicit", "decimal", "rho", "sigma")
-_DERIVED = (name for name in fact_names(MultistepFacts) if name not in MULTISTEP_ON_REQUEST)
 # The names of all facts, in the order in which they are printed.
-MULTISTEP_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *_DERIVED)))
+MULTISTEP_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *fact_names(MultistepFacts))))
 
 
 def _residual(rho: Sequence[Fraction], sigma: Sequence[Fraction], derivative: int, power: int) -> Fraction:

@@ -21,7 +21,7 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot,
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, eigenvalues
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
-from driftproof.symbolic.linear.root_condition import all_inside, inside_limit, root_condition
+from driftproof.symbolic.linear.root_condition import all_inside, root_condition
 from driftproof.symbolic.linear.stability_limits import ALWAYS, INFINITY, NEVER, Bound, Infinity, Limit
 from driftproof.symbolic.linear.systems import EigenvalueLimit, LinearSystem, ball_of
 
@@ -86,7 +86,7 @@ class MultistepSystemFacts(LinearSystem):
             return UndecidedLimitError(str(reason))
 
     def _decided_bound(self, eigenvalue: Eigenvalue) -> Bound:
-        """The bound, for a Jordan block, too: inside the region of stability every |ζ| < 1, as ρ/σ is open."""
+        """The bound; for an A-stable method also of a Jordan block, as every |ζ| < 1 inside the region of stability."""
         facts, place, block, real = self._facts, eigenvalue.place, eigenvalue.block, ball_of(eigenvalue).real
         self._require_irreducible()
         if not facts.zero_stable or (place == ZERO_ROOT and block > 1):
@@ -104,12 +104,11 @@ class MultistepSystemFacts(LinearSystem):
             return found
         if facts.a_stable:
             return ALWAYS
-        if isinstance(place, RealRoot) and block > 1:
-            limit = inside_limit(polynomial(self.method.rho), polynomial(self.method.sigma))
-            found = self._scaled(limit, place.negated(), squared=False)
-            return found if found in (ALWAYS, NEVER) else found._replace(attained=False)
         if isinstance(place, RealRoot) and facts.real_limit is not None:
-            return self._scaled(facts.real_limit, place.negated(), squared=False)
+            found = self._scaled(facts.real_limit, place.negated(), squared=False)
+            if block > 1 and found != NEVER:
+                raise UndecidedLimitError("a Jordan block of a real eigenvalue; each h is decided")
+            return found
         if isinstance(place, Complex) and facts.sector is not None and not isinstance(facts.sector.tan, Infinity):
             slope = lambda: abs(place.ball().imag / place.ball().real)
             if is_less(slope, facts.sector.tan.ball):

@@ -13,19 +13,21 @@ from flint import fmpq, fmpq_poly
 from driftproof.methods.number_field import as_fraction
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import (
+    ONE,
     Polynomial,
     X,
     even_part,
     greatest_common_divisor,
+    interpolate,
     odd_part,
     polynomial,
     quotient,
     reflected,
     squarefree,
 )
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots, samples
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, positive_roots
 from driftproof.symbolic.linear.a_stability import is_hurwitz
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, first_bound
+from driftproof.symbolic.linear.stability_limits import Limit, first_bound, smallest
 
 
 class RootCondition(NamedTuple):
@@ -78,16 +80,29 @@ def _largest_multiplicity(p: Polynomial) -> int:
     return found
 
 
-def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
-    """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
+def reciprocal(p: Polynomial, degree: int) -> Polynomial:
+    """The polynomial ζᵏ p(1/ζ), k = `degree`."""
+    return fmpq_poly([p[degree - k] for k in range(degree + 1)])
 
-    Roots leave the disc only at a t where one comes to the circle, or where two on it meet. A t between two intervals
-    in which the condition holds is no limit: if two ζ on the circle met there, some t near by would have a ζ outside,
-    as a and b have no common root and so b(ζ) != 0: k meeting roots move as ζ + c (Δt)^(1/k) for all k values of the
-    power, of which one leads out of the disc for Δt of one sign. Raises ValueError if a and b have a common root.
+
+def on_circle(p: Polynomial) -> Polynomial:
+    """The factor of the roots on the unit circle, for a p without roots outside it."""
+    return greatest_common_divisor(p, reciprocal(p, p.degree()))
+
+
+def root_condition_limit(a: Polynomial, b: Polynomial, factor: Polynomial = ONE) -> Limit:
+    """The largest t₀ such that `factor` (a + t b), of the degree at 0, satisfies the root condition for t in (0, t₀).
+
+    Roots leave the disc only at a t where one comes to the circle, or where two on it meet. Between two intervals in
+    which the condition holds, two ζ on the circle cannot meet, as then some t near by would have a ζ outside: if a and
+    b have no common root, b(ζ) != 0, and k meeting roots move as ζ + c (Δt)^(1/k) for all k values of the power, of
+    which one leads out of the disc for Δt of one sign. So the condition fails at a single t only where a root on the
+    circle is one of `factor`, too, or where a and b are constants and vanish. Raises ValueError for a common root.
     """
     if greatest_common_divisor(a, b).degree() > 0:
         raise ValueError("a and b have a common root; divide both by it")
+    if not root_condition(factor).holds:
+        return ZERO_ROOT
     degree = max(a.degree(), b.degree())
     forms = half_plane_form(a, degree), half_plane_form(b, degree)
 
@@ -98,17 +113,9 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     merging = critical_polynomial(ParametricPair(with_slope, (degree, degree), (1, 1)))
     critical = [*_meeting_the_circle(forms, degree), *filter(None, [merging])]
     holds = lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds
-    return first_bound(positive_roots(critical), holds).limit
-
-
-def inside_limit(a: Polynomial, b: Polynomial) -> Limit:
-    """The largest t₀ such that every root of a + t b lies inside the unit circle for every t in (0, t₀)."""
-    degree = max(a.degree(), b.degree())
-    reached = positive_roots(_meeting_the_circle((half_plane_form(a, degree), half_plane_form(b, degree)), degree))
-    first = a + b * samples(reached)[0]
-    if first.degree() < degree or not all_inside(first):
-        return ZERO_ROOT
-    return reached[0] if reached else INFINITY
+    fixed, leading = on_circle(factor), polynomial([as_fraction(p[degree]) for p in (a, b)])
+    doubled = interpolate(lambda t: fixed.resultant(a + b * t), fixed.degree())
+    return smallest([first_bound(positive_roots(critical), holds).limit, *positive_roots([leading, doubled])])
 
 
 def all_inside(p: Polynomial) -> bool:

@@ -42,6 +42,9 @@ class Infinity(Enum):
         """The float inf."""
         return inf
 
+    def __str__(self) -> str:
+        return self.value
+
 
 INFINITY = Infinity.INFINITY
 # A number in [0, oo].

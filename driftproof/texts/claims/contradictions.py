@@ -159,15 +159,6 @@ def sentence_before(text: str, start: int) -> str:
     return [*_ENDS.split(text[max(0, start - 2 * _LONGEST) : start]), ""][-3:][0]
 
 
-def names_limit(question: str, text: str, start: int, end: int, column: str) -> bool:
-    """True if the number's sentence and column name the method and the quantity of the question, and no other."""
-    fact, _, method = question.partition(" ")
-    said = " ".join((*sentence_around(text, start, end), column))
-    words = f"{_QUANTITIES[fact][0]}|stable|stability" if fact in _QUANTITIES else fact
-    named = bool(_words(words, said)) and not methods_named(said).isdisjoint(methods_named(method))
-    return named and not contradicted(question, text, start, end, asked=False)
-
-
 def _differs(
     own: Sequence[int], other: Sequence[int], before: str, other_after: Sequence[int], own_after: Sequence[int]
 ) -> bool:

@@ -146,10 +146,7 @@ def _given(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
     for phrase in dict.fromkeys(as_phrase(text[start:end].strip()) for start, end in sorted(spans)):
         with suppress(ValueError):  # too long
             if count := len(Phrase.of(phrase).exact({}).findall(text)):
-                ids[phrase] += 1
-                yield f"[[claim]]\nid = {_quoted(phrase)}\nphrase = {_quoted(phrase)}\n" + (
-                    f"count = {count}\n" * (count > 1) + 'given = "the text chooses it"\n'
-                )
+                yield "\n".join([*_entry(phrase, ids, phrase, count), 'given = "the text chooses it"', ""])
 
 
 def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
@@ -165,12 +162,9 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
         said_so = Phrase.of(as_phrase(phrase))
         count, given = len(said_so.exact({}).findall(text)), 'given = "said of the method, not of the property"'
         for said in found if count and all(one.holds for one in found) else ():
-            ids[phrase] += 1
-            name = f"{phrase} ({ids[phrase]})" if ids[phrase] > 1 else phrase
-            lines = [f"id = {_quoted(name)}", f"phrase = {_quoted(as_phrase(phrase))}"]
-            lines += [f"count = {count}"] * (count > 1) + [f"value = {_quoted(said.question)}"]
+            lines = [*_entry(phrase, ids, as_phrase(phrase), count), f"value = {_quoted(said.question)}"]
             lines += ['answer = "no"'] * (said.answer == "no") + [given] * bool(said_so.free_numbers)
-            yield "\n".join(["[[claim]]", *lines, ""])
+            yield "\n".join([*lines, ""])
             if count > 1:
                 break
 
@@ -198,9 +192,7 @@ def _claim(
     if valued or chosen:
         asked = ", ".join(member.alike[0].question for member in group if member.strong)
         place = asked if asked and len(asked) <= _LONGEST_ID else phrase
-        ids[place] += 1
-        place += f" ({ids[place]})" if ids[place] > 1 else ""
-    lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
+    lines = _entry(place, ids, phrase, count)
     lines += [f"{x} = {_quoted(said)}" for x, said in zip(("row", "column"), address[:2], strict=True) if said]
     lines += [f"column = [{', '.join(map(_quoted, address.columns))}]"] * bool(address.columns)
     if valued or chosen:
@@ -210,6 +202,13 @@ def _claim(
     else:
         lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
     return "".join([*dict.fromkeys(member.remark(line) for member in group), *(f"{line}\n" for line in lines)])
+
+
+def _entry(name: str, ids: Counter[str], phrase: str, count: int) -> list[str]:
+    """The first lines of a claim of this name, which has a number if others have it, and of its phrase."""
+    ids[name] += 1
+    name += f" ({ids[name]})" if ids[name] > 1 else ""
+    return ["[[claim]]", f"id = {_quoted(name)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
 
 
 def _asked_line(document: Document, missed: Missed) -> str:

@@ -176,7 +176,7 @@ def _questions(
 def _compared(text: str) -> Iterator[tuple[str, ...]]:
     """The methods whose errors a text in lower case compares, each pair once, the larger error first."""
     found = [x for x in numbers_in(text) if text.startswith(" times ", x.end)]
-    yield from {pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end)))}
+    yield from dict.fromkeys(pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end))))
 
 
 def _shown(x: Fraction) -> str:

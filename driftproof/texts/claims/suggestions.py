@@ -13,12 +13,12 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, names_limit, sentence_around
+from driftproof.texts.claims.contradictions import methods_asked, methods_named, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, slips, spelled
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
-from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, SHARE, KnownValue
+from driftproof.texts.claims.possible_values import SHARE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -59,8 +59,8 @@ class Suggestions(LookAlikes):
     def slips(self, number: TextNumber) -> dict[str, str]:
         """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
 
-        An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
-        limit needs four and its names in the sentence: one number in 180 is by chance a slip for a given value.
+        An asked value needs five digits, or four and all its names nearby, or its numbers on the line: one number in
+        180 is by chance a slip for a given value.
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
         if number.is_worded:
@@ -81,9 +81,8 @@ class Suggestions(LookAlikes):
             first = {known.question: spelling for spelling, ones in ways for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
             right = any(one.question in self._stated_values for one in alike)
-            other_sign, *others = slips(spelled(number))
-            here = self._place_of(number)
-            for slip in (other_sign, *others):
+            other_sign, here = next(slips(spelled(number))), self._place_of(number)
+            for slip in slips(spelled(number)):
                 for known in written.get(slip, ()):
                     of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
                     of_other |= bool(known.keys) and known.keys <= self._not_meant
@@ -101,9 +100,6 @@ class Suggestions(LookAlikes):
                         digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
-                    if known.question.startswith(LIMITS_OF_METHODS) and slip in others and digits > 3:
-                        place = self._lower, number.start, number.end, self.tables.column_of(number)
-                        found |= {known.question: slip} if names_limit(known.question, *place) else {}
             if (fact := self._fact_at(number)) and not self.tables.row_of(number):
                 own = self.fact_spelled(fact, form_of(number))
                 if own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0])):

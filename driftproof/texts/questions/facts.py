@@ -25,8 +25,7 @@ from driftproof.symbolic.facts import (
     facts_of_further,
     hidden_by_rounding,
 )
-from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
-from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
+from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, Sector, TruncatedSeries
 from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.invariants import QuadraticForm
@@ -38,7 +37,7 @@ from driftproof.texts.questions.wording import COEFFICIENT
 from driftproof.texts.writing.facts import fact_tex, fact_text
 from driftproof.texts.writing.records import parts
 
-FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)))
+FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *OTHER_FACTS)))
 # Fact -> its evidence: counted, or stated by the source; all others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 _AS_ROUNDED = "with the coefficients as rounded"
@@ -50,9 +49,7 @@ def fact(context: QueryContext) -> Answer:
     """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError if the method has no such fact."""
     name, subject = context.head, context.subject()
     with context.refused():
-        if isinstance(subject, Family):
-            known = facts_by_name(FamilyFacts(subject), (name,), FAMILY_FACTS)
-        elif isinstance(subject, FurtherMethod):
+        if isinstance(subject, Family | FurtherMethod):
             known = facts_of_further(subject, (name,))
         else:
             facts = Facts(subject)
@@ -170,8 +167,6 @@ def of_number(x: Any) -> Answer | None:
         return Answer("", None, form="oo")
     if isinstance(x, Angle):
         return Answer("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
-    if isinstance(x, EnclosedTangent):
-        return Answer("", x.ball, CERTIFIED)
     if isinstance(x, RealRoot) and x.rational is None:
         form = radical_form(x)
         # A root of degree 2 is given in its quadratic field, so that arithmetic with it stays exact.

@@ -116,10 +116,9 @@ SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
 def names_that_ask() -> frozenset[str]:
     """Every name that a question may begin with."""
     from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS
-    from driftproof.symbolic.family_facts import FAMILY_FACTS
 
     per_step = (f"{name}{PER_STEP}" for name in READOUT_WORDS)
-    facts = (*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)
+    facts = (*FACTS, *ON_REQUEST, *OTHER_FACTS)
     return frozenset((*facts, *FACT_WORDS, *AMBIGUOUS_FACTS, *READOUT_WORDS, *per_step))
 
 

@@ -27,6 +27,7 @@ steps | steps
 rho | rho: coefficients of the values y
 sigma | sigma: coefficients of the slopes F(y)
 diagonal | gamma: diagonal entry, so that a step needs one factorisation
+common_factor | common factor of rho and sigma
 explicit | explicit: a step solves no equations
 inconsistencies | inconsistencies of the coefficients
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence, Sized
 from fractions import Fraction
+from itertools import groupby
 from typing import Any
 
 from driftproof.methods.number_field import Algebraic, NumberField
@@ -16,7 +17,6 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, exa
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.facts import Reduction
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
-from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.fact_values import ExactFunction, Formula, RegionBoundary, TruncatedSeries
 from driftproof.symbolic.linear.families import DIGITS_OF_ENDS, Interval, ParameterSet
@@ -41,7 +41,7 @@ def facts_text(facts: Mapping[str, Any]) -> str:
     """One line per fact with its name and value; a list or a matrix takes a line per entry or row."""
     rows = []
     for name, value in facts.items():
-        listed = value if _is_list(value) and value else [value]
+        listed = _joined(value) if _is_list(value) and value else [value]
         lines = [*map(fact_text, listed[:MOST_ITEMS_SHOWN]), *filter(None, [_more(listed).removeprefix(", ")])]
         labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
         rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
@@ -118,20 +118,21 @@ class _Text:
         """Numbers and functions as a list in brackets, other values separated by semicolons."""
         if any(map(is_long, values)):
             return self.math(f"[{', '.join(_coefficients(values))}]")
-        entries = [self.of(x) for x in values]
+        entries = [self.of(x) for x in _joined(values)]
         if all(isinstance(x, Fraction | Algebraic | RationalFunction) for x in values):
             return f"[{', '.join(entries)}]" if values else "none"
         return "; ".join(entries)
 
-    def number(self, value: RealRoot | EnclosedTangent | NumberField) -> str:
+    def number(self, value: RealRoot | NumberField) -> str:
         """2*sqrt(2) = 2.828..., or the polynomial and the interval if there are no radicals."""
         found = record(value)
         if isinstance(found, str):
             return self.form(found)
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
-        minimal = found["minpoly"] or ""
-        root = f"the root of {self.form(minimal)}" if minimal and len(minimal) <= LONGEST_FORMULA else "a number"
+        minimal = found["minpoly"]
+        short = len(minimal) <= LONGEST_FORMULA
+        root = f"the root of {self.form(minimal) if short else f'a polynomial of {len(minimal)} characters'}"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])
@@ -272,12 +273,20 @@ class _Tex(_Text):
 
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
-    (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | EnclosedTangent | NumberField, "number"),
+    (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | NumberField, "number"),
     (Imaginary | Complex, "complex_number"), (RationalFunction | ExactFunction | FamilyFunction, "function"),
     (TruncatedSeries, "series"), (LeadingTerm | FamilyTerm, "term"), (Interval | ParameterSet, "interval"),
     (OrderSet, "order_set"), (LimitPiece, "piece"), (EigenvalueLimit, "eigenvalue"), (RegionBoundary, "boundary"),
     (Exception, "undecided"), (Reduction, "reduction"),
 )  # fmt: skip
+
+
+def _joined(values: Sequence[Any]) -> Sequence[Any]:
+    """The values; of a limit that is the same on several intervals, which only poles divide, once for all of them."""
+    if not all(isinstance(x, LimitPiece) for x in values):
+        return values
+    runs = [list(run) for _, run in groupby(values, key=lambda x: x[1:])]
+    return [run[0]._replace(where=ParameterSet(tuple(x.where for x in run))) for run in runs]
 
 
 def _more(found: Sized) -> str:

@@ -12,19 +12,19 @@ from driftproof.methods.number_field import Algebraic, NumberField, as_fraction
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra import radicals
-from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
+from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.radicals import PRINTED_DIGITS, integer_polynomial_text
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.family_facts import FailingTree, LimitPiece, OrderSet
 from driftproof.symbolic.linear import fact_values as linear
-from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
+from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
+from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
@@ -72,12 +72,6 @@ def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> dict[str, An
     exact, minimal = radicals.radical_form(value), integer_polynomial_text(value.minimal)
     ends = [str(end) for end in value.interval()]
     return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": radicals.root_decimal(value, digits)}
-
-
-def _tangent_parts(value: EnclosedTangent) -> dict[str, Any]:
-    billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
-    ends = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
-    return {"exact": None, "minpoly": None, "interval": ends, "decimal": significant(value.ball, PRINTED_DIGITS)}
 
 
 def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
@@ -137,7 +131,6 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
     LimitPiece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
     EigenvalueLimit: _eigenvalue_parts,
     RealRoot: number_record,
-    EnclosedTangent: _tangent_parts,
     NumberField: lambda x: {
         "generator": x.name,
         "minpoly": integer_polynomial_text(x.minimal),
@@ -154,7 +147,6 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
     (linear.ExactFunction, lambda x: x.f.data()),
     (linear.TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),
     (Angle, lambda x: significant(x.exact, PRINTED_DIGITS) if callable(x.exact) else str(x.exact)),
-    (Infinity, lambda x: x.value),
     (Exception, lambda x: {"refused": str(x)}),
 )
 

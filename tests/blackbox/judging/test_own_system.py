@@ -353,42 +353,6 @@ def test_identify_tells_which_system_is_built_in_and_whose_steps_it_takes_there(
         assert f"--method {words.split()[-1]}" in report.section("What to do").lines[0]
 
 
-@pytest.mark.parametrize(("late", "passed"), [(False, None), (True, False)])
-def test_a_place_where_bodies_nearly_touch_does_not_hide_the_system(late, passed):
-    """One of the three states that are looked at has slopes some thousand times those of the others."""
-    force = lambda x: 1e-3 * (2 / abs(x - 0.8) ** 13 - 1 / abs(x - 0.8) ** 7)
-
-    def step(x, v, dt):
-        moved = x + dt * v + dt**2 / 2 * force(x)
-        return moved, v + dt * (force(moved) if late else (force(x) + force(moved)) / 2)
-
-    assert verify(step, "velocity_verlet", examples=20, isolate=False).passed is passed
-
-
-def test_a_damping_that_is_small_beside_a_stiff_spring_is_part_of_the_system():
-    found = verify(on(lambda t, x, v: (v, -1e6 * x - 10 * v)), "rk4", examples=30, isolate=False)
-    assert "is rk4 on its own system (q' = v, v' = -1e+06 q - 10 v)" in found.verdict
-
-
-@pytest.mark.slow(keep=1)
-@pytest.mark.parametrize(("last", "passed", "words"), [(1, None, "v' = -1e+06 q), to "), (2, False, "ends in")])
-def test_the_own_time_of_a_stiff_spring_is_that_of_its_swing(last, passed, words):
-    def step(x, v, dt):
-        x, v = x + dt * (v - dt / 2 * 1e6 * x), v - dt / 2 * 1e6 * x
-        return x, v - last * dt / 2 * 1e6 * x
-
-    found = verify(step, "velocity_verlet", examples=30, isolate=False)
-    assert found.passed is passed, found.verdict
-    assert words in found.verdict
-    held = verify(step, "velocity_verlet", system=lambda t, y: [y[1], -1e6 * y[0]], isolate=False)
-    assert held.passed is (passed is None), held.verdict
-
-
-def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
-    step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
-    assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict
-
-
 class Thrown:
     """A body of a game in the plane, with a drag: per unit of time, or wrongly per step."""
 

@@ -159,6 +159,14 @@ def heun(y, dt):
     return y + dt / 3 * (k1 + epidemic(y + dt * k1))
 
 
+def in_turn(y, dt):
+    y = np.array(y)
+    for i in range(3):
+        y[i] += dt * epidemic(y)[i]
+    return y
+
+
+TURNS = "in k[0], each number moves by h b[0] k[0] before the next one's slope is taken"
 SHOWN = "on the slopes of its shortest steps "
 BUILT_IN = {
     "all at t": (rk4_of([0, 0, 0, 0]), "rk4", driven, "all of c times 0", SHOWN),
@@ -172,6 +180,7 @@ BUILT_IN = {
         SHOWN,
     ),
     "second kick at t": (verlet_of(late=0.0), "velocity_verlet", swung, "the time of kick 2: 0 instead of 1", SHOWN),
+    "in turn": (in_turn, "forward_euler", epidemic, TURNS, SHOWN),
     # Slopes that short steps show are then not those that the code has.
     "no half in v": (verlet_of(kicks=(1, 1)), "velocity_verlet", swung, "all of b_velocity times 2", ""),
     "a third": (heun, "heun2", epidemic, "all of b times 2/3", ""),

@@ -88,6 +88,20 @@ def test_what_does_not_fit_is_at_fault(name, as_before):
     as_before(found.extension, found.order, found.degree, *found.lines, *found.faults)
 
 
+@pytest.mark.parametrize(("first", "faults"), [(0, 0), (1, 1)])
+def test_a_curve_of_second_order_steps_is_more_than_a_straight_line(first, faults):
+    def step(f, t, y, h):
+        k = [f(t, y)]
+        k.append(f(t + h, y + h * k[0]))
+        bend = lambda theta: theta**2 / 2
+        return y + h / 2 * (k[0] + k[1]), lambda x: y + h * ((x - bend(x)) * k[first] + bend(x) * k[1 - first])
+
+    found = judged(step)
+    line = "the dense output has order 1 only, no more than the straight line from y to y1, the steps have order 2"
+    assert found.faults == (line,) * faults
+    assert not judged(lambda f, t, y, h: (y1 := step(f, t, y, h)[0], lambda x: y + x * (y1 - y))).faults
+
+
 # Of one call, 12 roundings of numbers up to 2 in each value, as many of the line through two; of a slope 1 once more.
 @pytest.mark.parametrize(("between", "end", "faults"), [(90, 0, 0), (100, 0, 1), (0, 46, 0), (0, 50, 1), (0, -50, 1)])
 def test_a_dense_output_is_held_to_the_roundings_of_its_weights(between, end, faults):

@@ -65,7 +65,7 @@ def adaptive(
     `plain_after_rejection` is the exponent, without memory, after a rejected step; `chooses_first_step` asks for one
     slope first, a little later than the start; `raises` where the step size is too small.
     """
-    pair = METHODS[key]
+    pair = METHODS[key] if isinstance(key, str) else key
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
     b = np.array([*map(float, pair.b)])
     e = np.array(estimate([float(x - y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]))

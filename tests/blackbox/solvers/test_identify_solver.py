@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from fractions import Fraction
 from unittest.mock import Mock
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 
 from driftproof import identify_solver
 from driftproof.blackbox.findings import NoAnswer
+from driftproof.methods.catalogue import METHODS
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.solvers.test_attempts import EXCHANGED, OF_FEW_LENGTHS, TO_AND_FRO
 from tests.blackbox.solvers.test_multistep import PECE, RIGHT, adams_bashforth2, by_number
@@ -209,3 +212,23 @@ def test_a_solver_is_held_to_the_method_that_it_should_advance(name):
     )
     with pytest.raises(ValueError, match="one method is needed"):
         identify_solver(solve, "sdirk_order_2")
+
+
+def own_pair():
+    """A pair of no catalogue, whose last stage is the first of the next step."""
+    tenths = lambda *row: tuple(Fraction(x, 30) for x in row)
+    rows = (tenths(0, 0, 0, 0), tenths(12, 0, 0, 0), (-Fraction(1, 5), Fraction(1), Fraction(0), Fraction(0)))
+    last = tuple(Fraction(x, 12) for x in (2, 5, 5, 0))
+    known = METHODS["bogacki_shampine32"]
+    return replace(known, key="own32", a=(*rows, last), b=last, b_embedded=tenths(7, 10, 10, 3))
+
+
+def test_the_estimate_of_a_pair_of_ones_own_is_held_to_it():
+    pair = own_pair()
+    right = identify_solver(adaptive(pair), pair, isolate=False)
+    assert right.passed, right.verdict
+    assert "r is the estimate of own32 over the tolerance" in right.data["controller"]
+    wrong = adaptive(pair, estimate=lambda e: [e[0] + 0.02, *e[1:-1], e[-1] - 0.02])
+    found = identify_solver(wrong, pair, isolate=False)
+    assert found.passed is False
+    assert "where the estimate of own32 is 0" in found.verdict

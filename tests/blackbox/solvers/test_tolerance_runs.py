@@ -109,12 +109,29 @@ def scaled(tolerances):
     return adaptive("dormand_prince54", exponent=0.2, tolerances=tolerances)
 
 
+def of_what_changes(f, t_span, y0, rtol, atol):
+    """Heun's method whose errors are compared with atol + rtol times what y changes in the step."""
+    t, y, h = [t_span[0]], [np.array(y0, float)], 1e-3
+    while t[-1] < t_span[1]:
+        h = min(h, t_span[1] - t[-1])
+        k1 = np.array(f(t[-1], y[-1]))
+        k2 = np.array(f(t[-1] + h, y[-1] + h * k1))
+        new = y[-1] + h / 2 * (k1 + k2)
+        r = np.max(abs(h / 2 * (k2 - k1)) / (atol + rtol * abs(new - y[-1]) + 1e-300))
+        if r <= 1:
+            t.append(t_span[1] if t_span[1] - t[-1] <= h else t[-1] + h)
+            y.append(new)
+        h *= min(4.0, max(0.25, 0.8 * (r + 1e-300) ** -0.5))
+    return t, y
+
+
 @pytest.mark.slow(keep=3)
 @pytest.mark.parametrize(("solve", "fault"), [
     (only_first("rtol"), "rtol is ignored"), (only_first("atol"), "atol is ignored"),
     (scaled(lambda rtol, atol: (atol, rtol)), "rtol and atol are exchanged"),
     (scaled(lambda rtol, atol: (0.0, max(rtol, atol))), "errors are not compared with atol + rtol |y| alone"),
+    (of_what_changes, "errors are not compared with atol + rtol |y| alone"),
     (scaled(lambda rtol, atol: (rtol, atol)), ""), (scaled(lambda rtol, atol: (rtol / 2, atol / 2)), ""),
-], ids=range(6))  # fmt: skip
+], ids=range(7))  # fmt: skip
 def test_tolerances_that_only_set_the_first_step_and_scales_that_do_not_grow_with_numbers_are_told(solve, fault):
     assert [each.partition(":")[0] for each in read(solve).faults] == [fault] * bool(fault)

@@ -46,11 +46,6 @@ def of_an_operator(u, dt, L):
     v = u + dt * L(u)
     return (u + v + dt * L(v)) / 2
 
-def in_gravity(r, v, dt, gravity):
-    r = r + v * dt / 2
-    v = v + gravity(r) * dt
-    return r + v * dt / 2, v
-
 def sampler(q, p, grad_log_prob, eps, L):
     p = p + eps / 2 * grad_log_prob(q)
     for i in range(L):
@@ -66,7 +61,6 @@ SHOWN = {
     "Craft": ("midpoint2", "def wrapped(f, y, h): made = Craft(); made.state, made.dynamics = y, "
         "lambda y, *rest: f(y); made.step(None, h); return made.state"),
     "of_an_operator": ("heun2", "def wrapped(f, y, h): return of_an_operator(y, h, f)"),
-    "in_gravity": ("position_verlet", "def wrapped(force, q, v, h): return in_gravity(q, v, h, force)"),
     "sampler": ("velocity_verlet", "def wrapped(force, q, v, h): return sampler(q, v, force, h, 1)"),
 }  # fmt: skip
 

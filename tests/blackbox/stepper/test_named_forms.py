@@ -51,7 +51,41 @@ def mass_forgotten(x, v_half, forces, inv_mass, dt):
     return x + dt * v_half, v_half
 
 
+def of_no_usual_name(pop, t, dt, growth, late=1.0):
+    k1 = growth(pop, t)
+    return pop + dt / 2 * (k1 + growth(pop + dt * k1, t + late * dt))
+
+
+def by_a_clock(slope, clock, u, delta):
+    return u + delta * slope(clock + delta / 2, u + delta / 2 * slope(clock, u))
+
+
+def of_x_by_dx(fun, y, x, dx):
+    return y + dx * fun(x, y)
+
+
+def of_a_slope_in_hand(y, dydx, x, h, derivs, half=0.5):
+    return y + h * derivs(x + h / 2, y + half * h * dydx)
+
+
+def in_gravity(r, v, dt, gravity):
+    r = r + v * dt / 2
+    v = v + gravity(r) * dt
+    return r + v * dt / 2, v
+
+
+def of_the_old_time(pop, t, dt, growth):
+    return of_no_usual_name(pop, t, dt, growth, late=0.0)
+
+
+def of_a_whole_step(y, dydx, x, h, derivs):
+    return of_a_slope_in_hand(y, dydx, x, h, derivs, half=1.0)
+
+
 HELD = [
+    (of_no_usual_name, "heun2", ""), (of_the_old_time, "heun2", "c[1]: 0 instead of 1"), (by_a_clock, "midpoint2", ""),
+    (of_x_by_dx, "forward_euler", ""), (in_gravity, "position_verlet", ""), (of_a_slope_in_hand, "midpoint2", ""),
+    (of_a_whole_step, "midpoint2", "a[1][0]: 1 instead of 1/2"),
     (of_two_gradients, "velocity_verlet", ""), (of_a_wrong_sign, "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
     (as_in_fortran, "rk4", ""), (at_a_wrong_time, "rk4", "c[3]: 1/2 instead of 1"),
     (of_two_velocities, "symplectic_euler", ""), (of_the_old_velocity, "symplectic_euler", "it is forward_euler"),

@@ -72,8 +72,11 @@ def three_curves():
 def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_the_end():
     asked = replace(study("rk4"), wanted=[2.5e-4])
     shown = report.study_text(asked, three_curves())
-    first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n\n"
-    assert shown.startswith(first)
+    first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n"
+    way = "There the largest error on the way is 0.010; for one of 2.5e-4, steady with h = 1/2, N = 20: 20 evaluations"
+    assert shown.startswith(f"{first}{way}\n\n")
+    both = report.study_text(replace(asked, wanted=[2e-2]), three_curves())
+    assert both.startswith("For an error of at most 2e-2 at the end and on the way, floor with")
     said = "By the largest error on the way: steady with h = 1/2, N = 20: 20 evaluations; looked at 1 time"
     assert f"\n\n{said}\n" in shown
     assert shown.count("Least work for an error at the end of at most") == 1
@@ -83,9 +86,9 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     for key, setting, seconds in (("lucky", "16", 3e-6), ("steady", "20", 2e-6), ("floor", "16", 1e-6)):
         timed.timings[timing_name(key, "python", setting)] = Timing(samples=[seconds])
     shown = report.study_text(asked, timed)
-    assert "evaluations\nIn the least time (Python), steady with h = 1/2, N = 20: 2.00 µs\n\n" in shown
+    assert "evaluations\nIn the least time (Python), steady with h = 1/2, N = 20: 2.00 µs\nThere" in shown
     timed.timings[timing_name("lucky", "compiled", "16")] = Timing(samples=[1e-6])
-    assert "In the least time (compiled), lucky with h = 5/8, N = 16: 1.00 µs\n\n" in report.study_text(asked, timed)
+    assert "In the least time (compiled), lucky with h = 5/8, N = 16: 1.00 µs\nThere" in report.study_text(asked, timed)
     none = report.study_text(replace(asked, wanted=[1e-9]), three_curves())
     assert none.startswith("For an error of at most 1e-9 at the end, none of these runs\n\n")
 

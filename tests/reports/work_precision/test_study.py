@@ -77,10 +77,9 @@ def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path, monkeypatch):
     asked = study("rk4")
     measure(asked, tmp_path, unheard)
     before = contents(tmp_path)
-    store = work_precision.ResultStore(tmp_path, asked.question(), unheard)
     monkeypatch.setattr(kept.json, "dumps", lambda *_, **__: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
-        store.save()
+        measure(asked, tmp_path, [].append)
     assert contents(tmp_path) == before
 
 
@@ -119,7 +118,7 @@ def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path, key):
     path, heard = tmp_path / "points.json", list[str]()
     before, name, after = path.read_text(encoding="utf-8").partition(f'"{key}": ')
     path.write_text(before + name + re.sub(r"[1-8a-y]", lambda found: chr(ord(found[0]) + 1), after, count=1))
-    assert work_precision.ResultStore(tmp_path, asked.question(), heard.append).measured == work_precision.Measured()
+    assert work_precision.held(path, asked.question(), heard.append) == work_precision.Measured()
     assert len(heard) == 1
 
 

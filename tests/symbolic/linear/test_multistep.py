@@ -10,6 +10,7 @@ import pytest
 from driftproof import METHODS, Facts, facts, significant
 from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.multistep import Multistep
+from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.linear.stability_limits import INFINITY
@@ -36,6 +37,9 @@ LIMITS = {
     "adams_moulton2": ("6", "0"), "adams_moulton3": ("3", "0"), "two_step_leapfrog": ("0", "1"),
     "milne_simpson": ("0", "sqrt(3)"),
 }  # fmt: skip
+
+
+BACKWARD = (-1, 1), (0, 1)
 
 
 def of(key):
@@ -185,14 +189,29 @@ def test_dahlquists_barriers_hold_for_what_is_derived():
     assert all(not MultistepFacts(m).a_stable for m in some(m for m in FIRST.values() if m.claimed_order > 2))
 
 
-def test_a_common_factor_is_named_and_what_only_it_does_is_left_out():
-    twice = one_step("reducible", (1, -3, 2), (0, -1, 2))  # backward Euler times 2ζ - 1
-    assert str(twice.common_factor) == "-1/2 + zeta"
-    assert (twice.order, twice.a_stable, twice.zero_stable) == (1, True, True)
-    outside = one_step("reducible", (2, -3, 1), (0, -2, 1))  # backward Euler times ζ - 2
-    assert (outside.a_stable, outside.zero_stable) == (True, False)
-    at_one = one_step("reducible", (1, -2, 1), (Q(-1, 2), 0, Q(1, 2)))  # the trapezoidal rule times ζ - 1
-    assert (at_one.a_stable, at_one.zero_stable, at_one.error_constant) == (True, False, None)
+@pytest.mark.parametrize(
+    ("method", "factor", "zero_stable", "a_stable", "limits"),
+    [
+        (BACKWARD, (-1, 2), True, True, "oo oo oo"),
+        (BACKWARD, (-2, 1), False, False, "0 0 0"),
+        (BACKWARD, (-1, 1), False, False, "oo oo oo"),  # z = 0 at ζ = 1
+        (BACKWARD, (1, 1), True, True, "oo oo oo"),  # z = 2 at ζ = -1
+        (((-2, 2), (1, 1)), (1, 1), True, True, "oo oo oo"),  # the trapezoidal rule; ζ = -1 is a pole
+        (((-2, 2), (1, 1)), (1, 0, 1), True, False, "oo 2 oo"),  # z = 2i at ζ = i
+        (((-1, 0, 1), (0, 2, 0)), (5, -6, 5), True, False, "0 4/5 0"),  # z = 4i/5 at ζ = (3 + 4i)/5
+        (((2,), (1,)), (1, -2, 1), False, False, "0 0 0"),
+        (((2,), (1,)), (-1, 1), True, True, "oo oo oo"),
+        (((1,), (-1,)), (-1, 1), True, False, "1 oo 0"),  # z = -1 has no step
+        (((2,), (-1,)), (-1, 1), True, False, "2 oo 0"),
+    ],
+)
+def test_roots_of_a_common_factor_are_solutions_at_every_z(method, factor, zero_stable, a_stable, limits):
+    rho, sigma = (tuple(map(int, np.convolve(p, factor))) for p in method)
+    facts = one_step("reducible", rho, sigma)
+    assert facts.common_factor.f.num == facts.common_factor.f.num.gcd(polynomial(factor))
+    assert (facts.zero_stable, facts.a_stable) == (zero_stable, a_stable)
+    found = facts.real_limit, facts.imaginary_limit, facts.sector.tan
+    assert [x.value if x is INFINITY else radical_form(x) for x in found] == limits.split()
 
 
 def test_an_inconsistent_method_says_so():
@@ -218,12 +237,6 @@ def test_facts_are_written_as_records():
     assert found["rho"] == {"num": ["1/2", "-2", "3/2"], "den": ["1"]}
     assert found["order_fails"] == {"power": 3, "residual": "-1/3"}
     assert (found["sector"], found["method"]) == ({"tan": "oo", "degrees": "90"}, "bdf2")
-    for point in exactly(11, facts(FURTHER_METHODS["bdf2"], only=["root_locus"]).data["root_locus"]):
-        z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
-        assert abs(unit) == pytest.approx(1)
-        assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
-    assert [point.cosine for point in of("bdf2").root_locus[4:7]] == [Q(11, 61), 0, Q(-11, 61)]
-    assert len(one_step("pole", (-1, 0, 1), (1, 0, 1)).root_locus) == len(of("bdf2").root_locus) - 1  # sigma(i) = 0
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="a linear multistep method, and has no symplectic; choose from"):
         facts(FURTHER_METHODS["bdf2"], only=["symplectic"]).json()

@@ -57,8 +57,7 @@ def test_bounded_is_what_the_roots_in_floats_say_and_factors_are_their_sizes(key
         *(("bdf2", "0 1; -9 -3", None, None), ("bdf3", "-1 10; -10 -1", None, None), ("bdf4", "-7", None, None)),
         *(("adams_bashforth3", "0 0; 0 0", None, None), ("adams_bashforth2", "0 1; 0 0", Q(0), None)),
         *(("bdf2", "1", Q(0), None), ("milne_simpson", "-1", Q(0), None)),
-        *(("adams_bashforth2", BLOCK, Q(1), False), ("adams_bashforth3", BLOCK, Q(6, 11), False)),
-        *(("bdf2", BLOCK, None, None), ("bdf4", BLOCK, None, None), ("milne_simpson", BLOCK, Q(0), None)),
+        *(("bdf2", BLOCK, None, None), ("milne_simpson", BLOCK, Q(0), None)),
         *(("bdf3", DAMPED_PAIRS, None, None), ("bdf2", DAMPED_PAIRS, None, None)),
         ("adams_bashforth2", PAIRS, Q(0), None),
     ],
@@ -81,6 +80,7 @@ def test_an_irrational_limit_is_decided_where_its_square_is_rational():
     [
         ("bdf3", "-1 20; -20 -1", "outside every sector"),
         ("bdf2", PAIRS, "a Jordan block of an undamped"),
+        ("bdf4", BLOCK, "a Jordan block of a real eigenvalue"),
     ],
 )
 def test_a_limit_that_is_not_decided_says_why_but_a_step_is_decided(key, text, what):
@@ -88,7 +88,7 @@ def test_a_limit_that_is_not_decided_says_why_but_a_step_is_decided(key, text, w
     with pytest.raises(UndecidedLimitError, match=what):
         assert found.step_limit
     assert found.bounded_at(Q(1, 100))
-    assert found.bounded_at(Q(1, 20)) is (key == "bdf2")  # h(-1 ± 20i) lies outside the region of bdf3
+    assert found.bounded_at(Q(1, 20)) is (key != "bdf3")  # h(-1 ± 20i) lies outside the region of bdf3
 
 
 def test_roots_on_the_circle_are_a_factor_of_exactly_one_but_for_a_jordan_block():

@@ -1,10 +1,8 @@
 """Where roots lie relative to the unit circle: polynomials with roots that are known, and their neighbours."""
 
-import random
 from fractions import Fraction as Q
 from itertools import product
 
-import numpy as np
 import pytest
 from flint import fmpq_poly
 from hypothesis import given
@@ -14,7 +12,6 @@ from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.linear.root_condition import (
     half_plane_form,
-    inside_limit,
     root_condition,
     root_condition_limit,
     valuation,
@@ -84,22 +81,6 @@ def test_a_limit_is_where_a_root_leaves_and_not_where_two_pass_inside():
     assert radical_form(root_condition_limit(of("1 -1"), of("0 0 -1/2"))) == "0"
     with pytest.raises(ValueError, match="common root"):
         root_condition_limit(of("0 1"), of("0 1"))
-
-
-def test_roots_stay_inside_up_to_a_limit_at_which_the_largest_in_floats_is_on_the_circle():
-    for a, b, limit in (("0 0 1", "-1", "1"), ("-1/2 1", "1/4", "6"), ("1 -2 1", "0 1", "0"), ("-1 1", "1", "2")):
-        assert radical_form(inside_limit(of(a), of(b))) == limit
-    assert inside_limit(of("0 1"), of("0 1")) is INFINITY
-    assert radical_form(inside_limit(of("0 -1 1"), of("1 -1"))) == "0"  # 1 is a root throughout
-    random.seed(1)
-    for _ in range(60):
-        a, b = ([Q(random.randint(-9, 9), 8) for _ in range(4)] for _ in range(2))
-        a[3] = Q(3)
-        largest = lambda t, a=a, b=b: max(abs(np.roots([float(x + t * y) for x, y in zip(a, b, strict=True)][::-1])))
-        limit = inside_limit(polynomial(a), polynomial(b))
-        end = 1e3 if limit is INFINITY else float(limit)
-        assert all(largest(end * k / 64) < 1 for k in range(1, 64))
-        assert limit is INFINITY or largest(end) == pytest.approx(1)
 
 
 def test_a_root_at_minus_one_lowers_the_degree_and_one_at_one_is_zero():

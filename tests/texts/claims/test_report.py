@@ -172,13 +172,12 @@ def test_what_the_draft_calls_perhaps_wrong_is_said_until_it_is_mended(tmp_path)
 
 
 def test_a_limit_called_perhaps_wrong_is_named_though_a_calculation_has_it(tmp_path):
-    text = tmp_path / "a.md"
-    text.write_text(
-        "It behaves as d' = -1.5 d. Euler is stable for h ≤ 4/3 ≈ 1.333, AB2 for h ≤ 4/3 ≈ 1.333.", encoding="utf-8"
-    )
+    text, said = tmp_path / "a.md", "It behaves as d' = -1.5 d. Euler is stable for {0}, AB2 for {0}."
+    text.write_text(said.format("h ≤ 4/3 ≈ 1.333"), encoding="utf-8")
     Path(f"{text}.claims.toml").write_text(check(text, init=True)["claims"], encoding="utf-8")
-    assert [one["text"] for one in check(text).as_dict()["slips"]] == ["4/3"]
-    assert [one["kind"] for one in check(text).as_dict()["numbers"] if one["text"] == "1.333"] == ["value", "uncovered"]
+    report = check(text).as_dict()
+    assert [one["text"] for one in report["slips"]] == ["4/3"]
+    assert [one["kind"] for one in report["numbers"] if one["text"] == "1.333"] == ["value", "uncovered"]
 
 
 SLIP_AND_OTHER = """Version 0.40667.

@@ -501,18 +501,14 @@ def test_an_asked_value_is_that_of_its_row_and_column(asked, wrong, slips):
     assert len(held) == 9 - len(slips)
 
 
-@pytest.mark.parametrize("unit", ["V", "m/s", "m"])
-def test_behind_a_unit_stands_the_method_of_a_number(unit):
-    said = "With y' = -2y, y(0) = 1, h = 0.1 s y is at t = 1 s {0} {2} by backward Euler and {1} {2} by the trapezoid."
-    right = strong_and_slips(said.format("0.1615", "0.1344", unit))[-2:]
-    wrong = strong_and_slips(said.format("0.1344", "0.1615", unit))[-2:]
+def test_behind_a_unit_stands_the_method_of_a_number():
+    said = "With y' = -2y, y(0) = 1, h = 0.1 s y is at t = 1 s {} V by backward Euler and {} m/s by the trapezoid."
+    right, wrong = (strong_and_slips(said.format(*x))[-2:] for x in (("0.1615", "0.1344"), ("0.1344", "0.1615")))
     assert right == [("0.1615", True, []), ("0.1344", True, [])]
     assert wrong == [("0.1344", False, ["0.1615"]), ("0.1615", False, ["0.1344"])]
 
 
-@pytest.mark.parametrize(
-    ("said", "holds"), [("grows", True), ("shrinks", False), ("has gained", True), ("falls", False)]
-)
+@pytest.mark.parametrize(("said", "holds"), [("grows", True), ("shrinks", False), ("has lost", False)])
 def test_a_change_goes_in_the_direction_that_is_said(said, holds):
     text = "x'' = -x, x(0) = 1, x'(0) = 0, energy E = x'^2/2 + x^2/2: with forward Euler, h = 0.1, "
     claimed, _ = claims_and_slips(f"{text}E {said} by 0.852 until t = 10.")
@@ -522,8 +518,8 @@ def test_a_change_goes_in_the_direction_that_is_said(said, holds):
 def test_a_change_that_shrinks_with_the_step_size_may_be_one_that_grows():
     run = "run forward_euler x'=v, v'=-x, x(0)=1, v(0)=0, energy=v^2/2+x^2/2, h={}, t=10 : energy_change"
     text = "From h = 0.1 to h = 0.05 the growth of the energy of forward Euler shrinks by a factor of 2.632."
-    suggestions = Suggestions(text, [f"ratio({run.format(0.1)}, {run.format(0.05)})"])
-    assert suggestions.look_alikes([*numbers_in(text)][-1])[0].strong
+    asked = f"ratio({run.format(0.1)}, {run.format(0.05)})"
+    assert Suggestions(text, [asked]).look_alikes([*numbers_in(text)][-1])[0].strong
 
 
 @pytest.mark.parametrize(
@@ -535,14 +531,14 @@ def test_a_change_that_shrinks_with_the_step_size_may_be_one_that_grows():
     ],
 )
 def test_orders_in_a_list_are_of_the_methods_of_the_sentence_or_the_table_before(orders, strong, slips):
-    said = "With y' = -2y, y(0) = 1 the errors at t = 1 are these:\n\n| h | Euler | Heun | RK4 |\n"
-    said += "| 0.05 | 1.38e-02 | 4.87e-04 | 2.45e-07 |\n| 0.025 | 6.82e-03 | 1.17e-04 | 1.47e-08 |\n\n"
+    said = (
+        "y' = -2y, y(0) = 1. Errors at t = 1:\n\n| h | Euler | Heun | RK4 |\n| 0.05 | 0.0138 | 4.87e-4 | 2.45e-7 |\n\n"
+    )
     said += "From h = 0.05 to h = 0.025 the observed orders are {}, {} and {}."
     claimed, found = claims_and_slips(said.format(*orders))
     assert ([claimed[x].startswith("log2") for x in orders], found) == (strong, slips)
 
 
 def test_a_modulus_is_no_slip_of_its_sign():
-    text = "Its eigenvalue is -11.916, so h <= 2/11.916 = 0.168, not 11.916."
-    suggestions = Suggestions(text, ["-6-sqrt(35)"])
+    suggestions = Suggestions(text := "Eigenvalue -11.916, so h <= 2/11.916 = 0.168, not 11.916.", ["-6-sqrt(35)"])
     assert [bool(suggestions.slips(x)) for x in numbers_in(text) if "11" in x.text] == [False, False, True]

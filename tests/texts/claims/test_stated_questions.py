@@ -32,6 +32,13 @@ BY_HEADS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
 """
 
 
+def test_methods_are_compared_in_the_order_of_the_text_in_every_process():
+    pairs = [("heun2", "rk4"), ("forward_euler", "rk4"), ("forward_euler", "heun2"), ("midpoint2", "rk4")]
+    said = "".join(f" {b} is 2 times as accurate as {a}." for a, b in pairs)
+    asked = stated(f"y' = -y, y(0) = 1 to t = 1 with h = 0.1.{said}")
+    assert [(*re.findall(r"run (\w+)", one),) for one in asked if one.startswith("ratio")] == pairs
+
+
 def test_the_rate_of_an_equation_is_no_step_size():
     (_, run) = stated("dP/dt = 0.8 P, P(0) = 1: Euler takes h = 0.5 to t = 2.")
     assert "h={0.5}, t={2}" in run

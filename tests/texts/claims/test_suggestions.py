@@ -61,16 +61,9 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     for asked, printed in wrong + none:
         suggestions, (number,) = Suggestions(f"is {printed}.", [asked]), numbers_in(f"is {printed}.")
         assert suggestions.slips(number) == ({asked: asked} if (asked, printed) in wrong else {}), printed
-    four, limits = "The angle of BDF4 is 73.53.", "RK4's real limit is 2.7835 here."
-    for text, asked, best in ((four, ["angle {bdf3,bdf4}"], "angle bdf4"), (limits, [], "real_limit rk4")):
-        suggestions, (number,) = Suggestions(text, asked), [x for x in numbers_in(text) if "." in x.text]
-        assert [*suggestions.slips(number)] == [best], text
-    other = "RK4 is stable on the imaginary axis to 2.7835.", "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")
-    three = Suggestions(four.replace("73.53", "74.3"), ["angle {bdf3,bdf4}"])  # 73.4
-    assert not three.slips(numbers_in(three.text)[-1])
-    assert [*Suggestions(four).slips(numbers_in(four)[-1])] == ["angle bdf4"]
-    for text in (four.replace("angle of ", ""), limits.replace("RK4", "Heun"), *other):
-        assert not Suggestions(text).slips(next(x for x in numbers_in(text) if "." in x.text)), text
+    for printed, best in (("73.53", ["angle bdf4"]), ("74.3", [])):  # 73.35, or 73.4
+        angle = Suggestions(f"The angle of BDF4 is {printed}.", ["angle {bdf3,bdf4}"])
+        assert [*angle.slips(numbers_in(angle.text)[-1])] == best
     row = Suggestions("| 0.6 | 0.182 |", ASKED)
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
 
@@ -184,11 +177,6 @@ def test_what_another_method_of_the_text_gives_is_no_slip_where_its_name_is_far(
     suggestions, number = Suggestions(text), next(x for x in numbers_in(text) if x.text == "3.667272")
     assert not suggestions.slips(number)
     assert suggestions.look_alikes(number)[0].strong == (said == "It has")
-
-
-def test_a_limit_has_slips_in_a_sentence():
-    text = "RK4's real limit is 2.7583."
-    assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == ["2.7853"]
 
 
 DECAY = "y' = -y, y(0) = 2, h = 0.25.\n\n| t | Euler | error |\n"
