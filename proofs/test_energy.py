@@ -123,6 +123,7 @@ def test_forward_euler_unbounded_for_every_positive_h() -> None:
     assert excess == H**2
     assert is_positive_between(excess, Q(0), None)
     assert not is_positive_between(energy_multiplier(M(RK4)) - 1, Q(0), None)
+    assert not is_positive_between(-1 - H**2, Q(0), None)  # without a root, and negative
     assert state_after(EULER, 1000, FIRST_H, (Q(0), Q(0))) == (0, 0)
 
 

@@ -200,6 +200,7 @@ def test_lesson_advances_exactly_three_methods() -> None:
     """Every scene is advanced by forward Euler, velocity-first symplectic Euler and classical RK4, and no other."""
     assert LESSON_METHODS == ("forward_euler", "symplectic_euler", "rk4")
     assert {scene.methods for scene in PRESETS.values()} == {LESSON_METHODS}
+    assert {scene.selected for scene in PRESETS.values()} <= {*LESSON_METHODS}
     assert set(HAND_WRITTEN) == set(LESSON_METHODS)
     assert len({tuple(M(key).to_list_flat()) for key in LESSON_METHODS}) == 3
 

@@ -122,6 +122,15 @@ def test_statements_stand_where_their_words_do(lines: list[str]) -> None:
         assert told == f"{lost} is gone"
 
 
+def test_a_new_line_is_asked_for_a_statement_and_an_id_stands_once(lines: list[str]) -> None:
+    """A sentence that is new is shown with what to do; no statement takes the id of another one."""
+    new, twice = "\n".join([*lines, "", FALSE_LINE]), [*STATED, ("L901", 10, FALSE_LINE)]
+    assert any(f"line 10: {FALSE_LINE[:40]!r}"[:-1] in told for told in to_do(new, _entries(STATED)))
+    assert _record(new, twice) == 1
+    assert "L901: a second statement of this id" in placed(new, _entries(twice))[1][0]
+    assert _record(new, [*STATED, ("L905", 10, FALSE_LINE)]) == 0
+
+
 def test_a_statement_is_dropped_by_deleting_it_from_the_list(
     lines: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
