@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 from typing import Any
 
@@ -10,6 +11,7 @@ import sympy
 from sympy import QQ
 
 from driftproof.numeric import readouts
+from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.energy import (
@@ -252,6 +254,9 @@ def test_level_curves_degenerate_at_two_and_open_beyond() -> None:
     assert is_positive_between(-definite, Q(2), None)
 
 
+SHOWN = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error", "steps")
+
+
 @claim("L137", evidence=PROVED, by="identity, and every run")
 def test_energy_change_is_measured_from_one_half(publish: Any) -> None:
     """Energy change is measured from 0.5: in each scene's runs it is the final energy less ½, as in our readout.
@@ -263,6 +268,13 @@ def test_energy_change_is_measured_from_one_half(publish: Any) -> None:
         for scene in PRESETS.values():
             exact = run(key, scene.h)
             assert exact.energy_change == energy(*exact.final_state) - Q(1, 2)
+            shown = run_method(replace(scene, readouts=SHOWN), key)  # what pages print is read by the same functions
+            state, true = shown["final_state"], shown["exact_state"]
+            assert shown["energy_change"] == readouts.float_energy_change(state, (1.0, 0.0))
+            assert (shown["energy"], shown["steps"]) == (readouts.energy(state), exact.steps)
+            assert shown["state_error"] == readouts.state_error(state, true) != readouts.state_error(state, (1.0, 0.0))
+            assert shown["phase_error"] == readouts.phase_error(state, true)
+            assert true == readouts.exact_state((1.0, 0.0), 10.0) != state
     assert readouts.float_energy_change((q, v), START) == E(q, v) - QQ(1, 2)
     assert readouts.float_energy_change((q, v), (Q(0), Q(2))) != E(q, v) - QQ(1, 2)
     publish("exact.energy", str(float(energy(*START))), energy(*START))
