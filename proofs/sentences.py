@@ -132,19 +132,19 @@ def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> tuple[dict[int,
     return claims, lost
 
 
-def _unclaimed(text: str, claims: Mapping[int, list[str]]) -> list[str]:
-    """The lines that are new, or have other words, and hold no statement, each with what to do about it."""
+def _told(text: str, claims: Mapping[int, list[str]]) -> list[str]:
+    """The `changes`, then the lines that are new, or have other words, and hold no statement, with what to do."""
     words = words_of(text)
     new = (line.number for kind, _, after in _places(text) if kind != "equal" for line in after)
     what = f"is of no statement; if it says what can be checked, give it an entry in {INVENTORY.name} and a proof"
     shown = ((number, shorten(words[number], LONGEST_QUOTE, placeholder=" ...")) for number in new)
-    return [f"line {number}: {quote!r} {what}" for number, quote in shown if number not in claims]
+    return [*changes(text), *(f"line {number}: {quote!r} {what}" for number, quote in shown if number not in claims)]
 
 
 def to_do(text: str, inventory: Iterable[Mapping[str, Any]]) -> list[str]:
     """What differs between a text and what was read, and what to do about it; nothing if it does not differ."""
-    told, (claims, lost) = changes(text), placed(text, inventory)
-    told += _unclaimed(text, claims)
+    claims, lost = placed(text, inventory)
+    told = _told(text, claims)
     if lost:
         lost.append(f"Write the new words of these to {INVENTORY.name}; delete those that the lesson says no more.")
     read = "Read what has other words against its proof in ledger.md, then run python -m proofs.sentences."
@@ -168,7 +168,7 @@ def main() -> int:
     if lost:
         print("\n".join(["nothing written:", *to_do(text, inventory)]), file=sys.stderr)
         return 1
-    told, read = [*changes(text), *_unclaimed(text, claims)], lines_of(text, claims)
+    told, read = _told(text, claims), lines_of(text, claims)
     dropped = {claim for line in lines_read() for claim in line.claims}.difference(*(line.claims for line in read))
     FILE.write_text(HEAD + "".join(f"{line}\n" for line in read), encoding="utf-8")
     print("\n".join([f"wrote {FILE.name}: {len(read)} lines", *(f"now read: {each}" for each in told)]))

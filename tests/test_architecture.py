@@ -69,9 +69,9 @@ BUDGETS = {
     "methods": 5543,
     "symbolic": 10662,
     "numeric": 4567,
-    "blackbox": 23277,
+    "blackbox": 23283,
     "enclosure": 5737,
-    "texts": 10791,
+    "texts": 10795,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6292
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A

@@ -267,7 +267,12 @@ def _of(
     ask: Callable[[GivenSteps, Specification], Any],
 ) -> Any:
     """The answer to a further question on the system given."""
-    return ask(_held(subject, wanted, system, ask is mistakes_on)[0], wanted)
+    return ask(_held(subject, wanted, system)[0], wanted)
+
+
+def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> tuple[str, ...]:
+    """The mistakes in the method that give its steps on the system given, also where short steps go otherwise."""
+    return mistakes_on(_held(subject, wanted, system, anyway=True)[0], wanted)
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
@@ -320,7 +325,8 @@ def report_on_system(
     told = [reply.result.words for reply in found if isinstance(reply.result, Remarked)]
     told += [check.words for reply in found[len(_FURTHER) :] for check in reply.result or () if check.holds is False]
     refuted = first.kind == NotOnOwnSystem.kind or (first.result and not holds)
-    mistakes = (runner.outcome_of(on(ask=mistakes_on)).result or ()) if refuted else ()
+    search = partial(_mistakes, wanted=wanted, system=system)
+    mistakes = (runner.outcome_of(search).result or ()) if refuted else ()
     passed, verdict = _verdict(key, checks, mistakes)
     remarks = [f"remark: {each}" for each in told if passed]
     if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:

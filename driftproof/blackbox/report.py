@@ -24,11 +24,11 @@ def verification(name: str) -> str:
     return f"{first}driftproof verify {named} --method"
 
 
-def refusal(key: str, mistakes: Sequence[str], why: str, on: str = "") -> str:
+def refusal(key: str, mistakes: Sequence[str], why: str = "", on: str = "") -> str:
     """The verdict on what is not the method, with the first of the mistakes that give its steps, or why alone."""
-    return (
-        f"is not {key}; it is {key}{on} with one mistake: {mistakes[0]}; {why}" if mistakes else f"is not {key}: {why}"
-    )
+    if not mistakes:
+        return f"is not {key}: {why}"
+    return "; ".join(filter(None, [f"is not {key}", f"it is {key}{on} with one mistake: {mistakes[0]}", why]))
 
 
 class Basis(Enum):

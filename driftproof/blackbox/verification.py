@@ -208,7 +208,7 @@ class Refutation:
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
         on_another = seen.outcomes[criteria.ROUNDING].kind == NotOnOwnSystem.kind
         if self.mistakes and not (one_entry or on_another) and (by_linear_steps or unnamed or naming.reserved or named):
-            yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
+            yield refusal(key, self.mistakes)
         if self.instead.seen.read is None and (named or naming.basis is Basis.UNDECIDED):
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
         if naming.basis is Basis.KNOWN and naming.methods[0] == key and not self.instead.doubts:

@@ -39,7 +39,7 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
         seen = _seen_text(
-            entry["seen"], by_rounding=entry["limit"] == "oo", in_blocks=_decides_in_blocks(entry["limit"])
+            entry["seen"], by_rounding=entry["limit"] == "oo", in_blocks=_may_be_in_blocks(entry["limit"])
         )
         rows.append([entry["method"], limit_text(entry), seen, _short(entry["at_infinity"]) or "none"])
     notes = ["observed: the powers of the float step's matrix, in balanced units, stay below 1e9"]
@@ -85,8 +85,8 @@ def limit_text(entry: Json) -> str:
     return f"h {'<=' if entry['attained'] else '<'} {shown if exact in (None, decimal) else f'{exact} = {shown}'}"
 
 
-def _decides_in_blocks(limit: Json) -> bool:
-    """True if small h are proved to be bounded, or if only equal eigenvalues that act on each other leave that open."""
+def _may_be_in_blocks(limit: Json) -> bool:
+    """True if growth at small h is none of the method: these are proved, or left open for a Jordan block alone."""
     return limit != "0" and ("refused" not in limit or "Jordan block" in limit["refused"])
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from base64 import b64decode, b64encode
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -144,11 +144,11 @@ def _reference(field: VectorField, start: Sequence[Fraction], times: tuple[Fract
     if perf_counter() - began > LONG and (dense := found.dense) is not None:
         answer = {name: getattr(found, name) for name in ("states", "evidence", "source")}
         answer |= {"changes": [*map(str, found.changes)], "shape": dense.coefficients.shape}
-        kept.cache(question, answer | {name: _as_text(array) for name, array in vars(dense).items() if name in _DENSE})
+        kept.cache(question, answer | {name: _as_text(getattr(dense, name)) for name in _DENSE})
     return found
 
 
-_DENSE = ("begins", "lengths", "low", "coefficients")
+_DENSE = tuple(array.name for array in fields(DenseSolution))
 
 
 @cache

@@ -132,12 +132,12 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
     if subject.convention.run and calling.GRID not in subject.convention.order:  # a count of steps, or of numbers
         two: Sequence[float] = []
-        with nullcontext() if subject.log.works_in_place else suppress(Misbehaviour):  # of a run that has a fault
+        still = calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]
+        required = subject.log.works_in_place or still  # other runs may have a fault, which is told later
+        with nullcontext() if required else suppress(Misbehaviour):
             two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
         if np.array_equal(two, end) or (two and [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]):
             raise WrongAnswer("a run of two steps ends where one of one step does, or moves more numbers")
-    if subject.convention.run and calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]:
-        trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.adapter in SYSTEMS:

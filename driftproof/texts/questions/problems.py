@@ -185,12 +185,11 @@ class ProblemRun:
         """
         if not isinstance(self.method, RungeKutta) or not self.method.explicit:
             raise TypeError("no explicit Runge-Kutta method")
-        lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
-        return explicit_slopes(self.method, self.rate, t, y, self.h, lift)
+        return explicit_slopes(self.method, self.rate, t, y, self.h, _lift_of(y))
 
     def change(self, weights: Sequence[Any], t: Fraction, y: _Row) -> _Row:
         """The sum of h b_j k_j for these weights b, in the type of y. Raises TypeError as `slopes` does."""
-        lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
+        lift = _lift_of(y)
         slopes, by = self.slopes(t, y), [lift(self.h) * lift(b) for b in weights]
         return [sum((b * k[i] for b, k in zip(by, slopes, strict=True)), x - x) for i, x in enumerate(y)]
 
@@ -205,6 +204,11 @@ class ProblemRun:
     @property
     def _function(self) -> RightHandSide:
         return _function_of(self.rates)
+
+
+def _lift_of(y: _Row) -> Callable[[Any], Any]:
+    """What makes an exact number one of the type of y."""
+    return Fraction if isinstance(y[0], Fraction) else enclose
 
 
 @lru_cache(maxsize=64)
