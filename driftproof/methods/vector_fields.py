@@ -67,6 +67,12 @@ class VectorField:
         nodes = (node for i, rate in enumerate(self.rates) for node in ast.walk(_parsed(rate, i)))
         return not any(isinstance(node, ast.IfExp) or getattr(node, "id", "") in ("abs", FLOOR) for node in nodes)
 
+    @property
+    def linear(self) -> bool:
+        """True if f(t, y) = A(t) y + b(t) is written so: no derivative by a component reads one."""
+        slopes = (partial_derivative(rate, y) for rate in self.rates for y in self.components)
+        return self.smooth and not any(_names(ast.parse(slope)).intersection(self.components) for slope in slopes)
+
     def dependence(self) -> list[set[int]]:
         """The indices of the components that each rate reads."""
         number = {name: i for i, name in enumerate(self.components)}

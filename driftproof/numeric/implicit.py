@@ -18,6 +18,9 @@ The iteration starts at the stage before, at first at Z = 0; from Z = w a stiff 
 of a solved step goes on while the residual still halves, and the best Z is kept. Of several solutions it finds one; as
 h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
 
+The solution wanted is that to which Z = 0 at h = 0 leads as h grows. There det G' = 1, and along solutions it changes
+its sign at singular G' only. So one with det G' < 0 is on another branch, which is told. det G' > 0 shows nothing.
+
 E: in g = Z - w - h Σ aᵢⱼ fⱼ with w known, the terms a f undergo 1 rounding of a, s of the products and the sum, 1 of h
 and 2 of the differences, s + 4 together; Z and w at most 2. The rate is assumed to be computed as f(y(1 + α))(1 + β)
 with |α|, |β| ≤ m u, m = newton.RATE_ROUNDINGS, and its argument y + Z is rounded once. With J the matrix used for f',
@@ -43,7 +46,7 @@ from driftproof.numeric.loops import loop, maker_of_rows
 from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
-NO_STEP = (0.0,) * (newton.SYSTEM + 1)  # the report before the first step
+NO_STEP = (0.0,) * (newton.PAST + 1)  # the report before the first step
 
 
 class StageEquationsUnsolved(ArithmeticError):
@@ -63,7 +66,8 @@ class ImplicitRun:
     """run(y, h, first, last) -> y of the loop `steps` for y' = f(t, y): steps first to last - 1, step i from i h.
 
     `key` is that of the method, and `made` makes the rows that the loop takes. `calls` counts the evaluations of f so
-    far. Raises StageEquationsUnsolved.
+    far; `past` is the time at the end of the first step past a singular matrix, 0 for none. Raises
+    StageEquationsUnsolved.
     """
 
     key: str
@@ -71,12 +75,14 @@ class ImplicitRun:
     table: Any
     made: Callable[[Any], Any]
     calls: int = 0
+    past: float = 0.0
 
     def __call__(self, y: Sequence[float], h: float, first: int, last: int) -> tuple[float, ...]:
         """Return the state after steps first to last - 1."""
         state, report = self.made(y), self.made(NO_STEP)
         self.steps(0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
+        self.past = self.past or float(report[newton.PAST])
         require_done(self.key, report, 0.0, h)
         return tuple(map(float, state))
 

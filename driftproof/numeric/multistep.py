@@ -74,7 +74,7 @@ class MultistepRun:
 
     A run from a plain state begins there, by steps of `starter`; one from a `Trail` goes on. `steps` is the loop, and
     `made` makes the rows that it takes. `calls` counts the evaluations of f but for those of the starter, whose steps
-    `begun` counts. Raises StageEquationsUnsolved.
+    `begun` counts; `past` is as in an ImplicitRun. Raises StageEquationsUnsolved.
     """
 
     method: Multistep
@@ -86,6 +86,7 @@ class MultistepRun:
     made: Callable[[Any], Any]
     calls: int = 0
     begun: int = 0
+    past: float = 0.0
 
     def __call__(self, y: _State, h: float, first: int, last: int) -> Trail:
         """Return the state after steps first to last - 1."""
@@ -114,6 +115,7 @@ class MultistepRun:
                 self.calls += 1
         self.steps(rows, rates, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
+        self.past = self.past or float(report[newton.PAST])
         require_done(self.method.key, report, 0.0, h)
         return [[*map(float, row)] for row in rows], [[*map(float, row)] for row in rates]
 

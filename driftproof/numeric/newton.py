@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.numeric.elimination import FULL, Band, factored, solve
+from driftproof.numeric.elimination import FULL, Band, factored, sign_of_determinant, solve
 from driftproof.numeric.loops import FieldWriters
 
 UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
@@ -23,8 +23,9 @@ SHRINKS, HALVES = 0.125, 0.5
 SHORTEST = 2.0**-20
 
 # Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
-# and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble.
-ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
+# and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble; and the end of
+# the first step past a singular matrix, as `numeric.implicit` says, 0 for none.
+ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM, PAST = range(12)
 DONE, UNSOLVED, OVERFLOWS, SINGULAR = range(4)
 # How the new state is formed: it is the last stage, or is formed from the moves, or from the slopes.
 LAST, MOVES, SLOPES = range(3)
@@ -229,6 +230,11 @@ def _solved_group(
     solved = best <= 1
     if solved:
         report[RESIDUAL], report[OVER_FLOOR] = max(report[RESIDUAL], left), max(report[OVER_FLOOR], best)
+        if report[PAST] == 0 and sign_of_determinant(m, order, size, layout.lower) < 0:  # perhaps not so at the root
+            _derivatives_at(writers, equations, moves, jacobians)
+            regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
+            if regular and sign_of_determinant(m, order, size, layout.lower) < 0:
+                report[PAST] = equations.t + equations.h
     elif not damped:
         report[TRIED], report[TIME] = iterations, equations.t + equations.c[stages - 1] * equations.h
         report[LEFT], report[LEFT_OVER_FLOOR] = left, best

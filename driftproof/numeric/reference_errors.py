@@ -36,6 +36,8 @@ STATE, ENERGY, PHASE = "state", "energy", "phase"
 QUANTITIES = (STATE, ENERGY, PHASE)
 # Which of a run's errors is meant.
 ENDS = ("final", "largest")
+# A run whose error is up to this part of the size of the solution follows it; with an error above that size it is lost.
+FOLLOWS = 0.1
 _Floats: TypeAlias = Sequence[float]
 _OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
 
@@ -169,6 +171,15 @@ def largest_state_size(problem: Problem) -> float:
     """Q, the largest norm of the start and of the reference's states: larger errors say nothing about the solution."""
     sizes = (_length(map(Fraction, state)) for state in problem.reference.states)
     return max(_length(problem.start), *sizes, problem.reference.largest_between)
+
+
+def branch_remark(problem: Problem, past: float, error: float) -> str:
+    """What is to be said of a run with this error that is `past_singular` since the time `past`; "" if nothing.
+
+    A linear problem's stage equations have one root, and a run that follows the solution has found a good one.
+    """
+    told = past and error > FOLLOWS * largest_state_size(problem) and not problem.field.linear
+    return f"another branch from t = {past:.3g} on" if told else ""
 
 
 def doubt(problem: Problem, steps: int, speed: float) -> float:

@@ -201,15 +201,15 @@ def _by_integers(matrix: _Matrix) -> bool:
 
 
 def largest_bounded(
-    is_bounded: Callable[[float], bool], scale: float, proved: float | None = None
+    is_bounded: Callable[[float], bool], scale: float, proved: float | None = None, most: int = LARGEST
 ) -> tuple[float, float]:
     """Two neighbouring doubles, bounded at the first but not at the next, by bisection where growth first shows.
 
-    Looks at h = 2ⁿ scale for n from SMALLEST to LARGEST, and just beyond a `proved` limit, as growth may end again
+    Looks at h = 2ⁿ scale for n from SMALLEST to `most`, and just beyond a `proved` limit, as growth may end again
     before the next power of two. Returns (0, h) if the smallest is not bounded, and (h, inf) if all are. The pair is
     one change from bounded to not: the first, unless two lie between neighbours of these h.
     """
-    powers, low = [scale * 2.0**exponent for exponent in range(SMALLEST, LARGEST + 1)], 0.0
+    powers, low = [scale * 2.0**exponent for exponent in range(SMALLEST, most + 1)], 0.0
     beyond = [proved * (1 + 2.0**-k) for k in BEYOND if proved and powers[0] < proved < powers[-1]]
     for high in sorted([*powers, *beyond]):
         if not is_bounded(high):

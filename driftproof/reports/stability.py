@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from math import ceil, inf, isfinite
+from math import ceil, frexp, inf, isfinite
 from typing import TypeVar
 
 import numpy as np
@@ -23,11 +23,11 @@ from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_o
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import Advance, advance, float_start, float_step, rests_at_origin
+from driftproof.numeric.advance import Advance, advance, float_start, float_step, past_singular, rests_at_origin
 from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import distance_from_digits, largest_state_size
+from driftproof.numeric.reference_errors import FOLLOWS, branch_remark, distance_from_digits, largest_state_size
 from driftproof.numeric.stability import (
     LARGEST,
     Observed,
@@ -42,8 +42,8 @@ from driftproof.numeric.stability import (
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
 from driftproof.numeric.work_precision.integrators import has_numba
 from driftproof.reports.progress import with_progress
-from driftproof.reports.stability_tables import DIGITS, FOLLOWS, STABLE_FROM, limit_text, problems_text, stability_text
-from driftproof.reports.user_problem import GivenProblem, problem_given
+from driftproof.reports.stability_tables import DIGITS, STABLE_FROM, limit_text, problems_text, stability_text
+from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, problem_given
 from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
@@ -117,9 +117,20 @@ def stability(
         "linear": about.matrix is not None,
         "size": repr(largest_state_size(about)),
         **({} if about.matrix is None else {"stiffest": _largest_text(about.matrix)}),
+        **({"proofs": proofs} if (proofs := of_proofs(about)) else {}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
+
+
+def of_proofs(problem: Problem) -> str:
+    """What must be said of proofs on a linear problem: of which numbers they are, or why there are none; else ""."""
+    constants = [f"{name} = {float(x)!r}" for name, x in problem.field.parameters if not isinstance(x, Fraction)]
+    if problem.matrix is not None:
+        return f"proved: with {', '.join(constants)}, the double of the runs" if constants else ""
+    wanted = f"solutions that do not grow, at most {MOST_PROVED} components, and + - * / of numbers and pi"
+    linear = problem.field.linear and any(problem.field.dependence())
+    return f"Linear, but nothing is proved: that takes {wanted}" if linear else ""
 
 
 def _largest_text(rows: Sequence[Sequence[Fraction]]) -> str:
@@ -206,8 +217,9 @@ def _linear_part(problem: Problem, method: Entry, found: LinearSystem) -> Json:
         step, components = runs.of_all, components * runs.method.steps
     is_bounded = lambda h: stays_bounded(step, components, h)
     proved = limit["limit"]["decimal"] if isinstance(limit["limit"], dict) and "decimal" in limit["limit"] else 0
-    low, high = largest_bounded(is_bounded, 1 / norm, float(proved))
-    again = bounded_again(is_bounded, high, 2**LARGEST / norm) if isfinite(high) else ()
+    most = max(LARGEST, frexp(float(problem.t) * norm)[1])  # up to a step that is as long as the problem
+    low, high = largest_bounded(is_bounded, 1 / norm, float(proved), most)
+    again = bounded_again(is_bounded, high, 2**most / norm) if isfinite(high) else ()
     return {
         **limit,
         "at_infinity": _at_infinity_text(found.at_infinity()),
@@ -269,8 +281,10 @@ def steps_for_decay(method: Entry, t: Fraction, decay: float) -> int:
 
 def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
     h = float_step(problem.t, steps)
+    past_singular(runs)
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
+    branch = branch_remark(problem, past_singular(runs), error)
     return {
         "h": repr(h),
         "steps": steps,
@@ -279,6 +293,7 @@ def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, ste
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
         "lost": error > largest_state_size(problem),
+        **({"another_branch": branch} if branch else {}),
         **({"only": runs.start_method.key} if isinstance(runs, MultistepRun) and steps < runs.method.steps else {}),
         **({} if found is None else _proved_at(found, Fraction(h))),
     }

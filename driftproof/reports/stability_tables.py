@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import inf
 
+from driftproof.numeric.reference_errors import FOLLOWS
 from driftproof.support.plain_text import Json, table, with_digits
 
 DIGITS = 6
@@ -13,8 +14,11 @@ DIGITS = 6
 STABLE_FROM = ", stable from"
 # Characters of an exact number that is shown in a table.
 _LONGEST_EXACT = 24
-# A run whose error is up to this part of the size of the solution follows it; with an error above that size it is lost.
-FOLLOWS = 0.1
+# Said of a step that `numeric.implicit` finds past a singular matrix.
+_ANOTHER_BRANCH = (
+    "another branch: in the step to that t the root found of the stage equations is not the one that continues the\n"
+    "solution as h grows from 0, but one behind a singular matrix; of the continued root the error may be another"
+)
 
 
 def stability_text(answer: Json) -> str:
@@ -35,7 +39,8 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
         said = f"the error at the end is below {FOLLOWS} of the solution's size; with N - 1, 2(N - 1), ... not always"
         title = f"Observed: with N steps, 2N, 4N, ... {said}"
-        return f"{title}\n\n{table(rows, right=(1, 2))}{_decay_text(entries)}"
+        proofs = f"\n\n{answer['proofs']}" if "proofs" in answer else ""
+        return f"{title}\n\n{table(rows, right=(1, 2))}{proofs}{_decay_text(entries)}"
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
         seen = _seen_text(
@@ -47,6 +52,7 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
         notes.insert(0, "proved: for every h from 0 on; what is bounded again beyond is only observed")
     if any("started" in entry for entry in entries):
         notes.append("R(oo): of a multistep method the size of the largest root of sigma")
+    notes += [answer["proofs"]] if "proofs" in answer else []
     return "\n".join(["The step sizes h whose powers stay bounded\n", f"{table(rows)}\n", *notes])
 
 
@@ -114,6 +120,8 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     size = float(answer["size"])
     reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
+    if any("another_branch" in run for entry in entries for run in entry["runs"]):
+        notes += f"\n{_ANOTHER_BRANCH}"
     if answer["linear"]:
         largest = f"the eigenvalue of largest modulus, {answer['stiffest']}"
         notes += f"\nbounded?: proved, for exactly this h; factor: growth per step for {largest}"
@@ -139,7 +147,8 @@ def _outcome(run: Json) -> str:
     if run["error"] is None:
         return "finite at t, but its error overflows binary64: lost"
     error = f"error {with_digits(float(run['error']), 3)}" + (f" of {run['only']}, its start" if "only" in run else "")
-    return f"{error}, larger than the solution: lost" if run["lost"] else error
+    error += ", larger than the solution: lost" if run["lost"] else ""
+    return f"{error}; {run['another_branch']}" if "another_branch" in run else error
 
 
 def _expected_text(_: Json, entries: Sequence[Json]) -> str:

@@ -238,9 +238,11 @@ def kinks_of(problem: Problem) -> str:
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
     """A, if f(t, y) = A(y - c) is written so, or as Ay + b, in at most MOST_PROVED components, and no solution grows.
 
-    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None.
+    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None. A constant such as pi stands
+    in A as the double with which steps are run.
     """
-    if len(field.rates) > MOST_PROVED or (found := linear_part(field)) is None:
+    in_doubles = tuple((name, x if isinstance(x, Fraction) else Fraction(float(x))) for name, x in field.parameters)
+    if len(field.rates) > MOST_PROVED or (found := linear_part(replace(field, parameters=in_doubles))) is None:
         return None
     rows, at_origin = found
     try:

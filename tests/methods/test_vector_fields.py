@@ -41,6 +41,16 @@ def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
     assert partial_derivative(rate, "y0") == derivative
 
 
-@pytest.mark.parametrize(("rate", "smooth"), [("sin(y0)", True), ("abs(y0)", False), ("floor(t) + y0", False)])
-def test_a_field_with_a_kink_or_a_jump_is_not_smooth(rate, smooth):
-    assert VectorField((rate,)).smooth is smooth
+@pytest.mark.parametrize(
+    ("rate", "smooth", "linear"),
+    [
+        ("sin(y0)", True, False),
+        ("abs(y0)", False, False),
+        ("floor(t) + y0", False, False),
+        ("t * y0 + sin(t)", True, True),
+    ],
+)
+def test_a_field_with_a_kink_or_a_jump_is_not_smooth_and_one_whose_slopes_read_the_state_not_linear(
+    rate, smooth, linear
+):
+    assert (VectorField((rate,)).smooth, VectorField((rate,)).linear) == (smooth, linear)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fractions import Fraction as Q
 from random import Random
 
+import numpy as np
 import pytest
 
-from driftproof.numeric.elimination import FULL, Band, factored, solve
+from driftproof.numeric.elimination import FULL, Band, factored, sign_of_determinant, solve
 from driftproof.numeric.tableaux import solved
 
 
@@ -28,11 +29,13 @@ def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
             [float(random.randint(-3, 3) or 1) if inside(i, j) else 0.0 for j in range(size)] for i in range(size)
         ]
         right = [float(random.randint(-9, 9)) for _ in range(size)]
+        sign = np.sign(np.linalg.det(matrix))
         exact = solved([[Q(x) for x in row] for row in matrix], [Q(x) for x in right])
         rows, exchanged, x = banded(matrix, band), [0] * size, list(right)
         if exact is None:
             continue
         assert factored(rows, exchanged, size, *band)
+        assert sign_of_determinant(rows, exchanged, size, band.lower) == sign
         solve(rows, exchanged, size, x, *band)
         assert x == pytest.approx([float(y) for y in exact], abs=1e-9 * (1 + max(map(abs, exact))))
         tried += 1
@@ -40,10 +43,11 @@ def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
 
 
 def test_rows_are_exchanged_for_a_larger_pivot_and_not_for_one_of_the_same_size() -> None:
-    for entry, other in ((2.0, 0), (-2.5, 1)):
-        exchanged = [9, 9]
-        assert factored([[-2.0, 1.0], [entry, 1.0]], exchanged, 2, *FULL)
+    for entry, other, sign in ((2.0, 0, -1), (-2.5, 1, 1), (-2 - 2.0**-40, 1, 0)):
+        exchanged, rows = [9, 9], [[-2.0, 1.0], [entry, 1.0]]
+        assert factored(rows, exchanged, 2, *FULL)
         assert exchanged == [other, 1]
+        assert sign_of_determinant(rows, exchanged, 2, FULL.lower) == sign
 
 
 def test_a_matrix_without_an_inverse_has_a_zero_pivot() -> None:

@@ -115,6 +115,19 @@ def test_stiff_stages_are_not_those_of_another_solution(key, start):
     assert run((start,), 1.0, 0, 1) > (0,)
 
 
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_root_behind_a_singular_matrix_is_told(compiled):
+    """y' = y - y^3 by backward Euler: for h > 1 Newton's method ends at the root near 0, where G' = 1 - h + 3h z^2 < 0.
+
+    As h grows from 0, the root that begins at 1/10 goes on to 0.86 for h = 3, where G' > 0; y' = y has one root only.
+    """
+    for h, roots, found, past in ((0.5, 1, 0, 0.0), (3.0, 3, 1, 3.0), (0.25, 1, 0, 0.0)):
+        exact = sorted(x.real for x in np.roots([h, 0, 1 - h, -0.1]) if abs(x.imag) < 1e-9)
+        run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 - y0 * y0 * y0",)), compiled=compiled)
+        assert run((0.1,), h, 0, 1) == (pytest.approx(exact[found]),)
+        assert (run.past, len(exact)) == (past, roots)
+
+
 def test_rows_are_exchanged_where_the_diagonal_is_zero():
     """y' = (y0 + y1, y0), h = 1: M = [[0, -1], [-1, 1]], and backward Euler leads from (3, 5) to (-8, -3)."""
     run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 + y1", "y0")))

@@ -33,6 +33,39 @@ def test_limits_proved_and_seen_stand_side_by_side(answer):
     assert re.search(r"\nrk4 .* up to 0\.002828427\d+ ", out)
 
 
+def test_a_run_on_another_branch_is_told_and_one_that_follows_or_has_one_root_is_not():
+    """Backward Euler by h = 3 ends at 0, by 3/10 at 1; y' = y is as far past the singular matrix, but it is linear."""
+    well = {"rates": ["y0 - y0^3"], "start": ["1/10"], "end": 30}
+    found = driftproof.stability(well, "backward_euler,bdf2", [3, "3/10"])
+    told = [run.get("another_branch") for entry in found["methods"] for run in entry["runs"]]
+    assert told == ["another branch from t = 3 on", None, None, None]
+    assert str(found).count("another branch") == 2
+    assert "another branch" not in str(driftproof.stability(well | {"rates": ["y0"]}, "backward_euler", 3))
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"),
+    [
+        (
+            "-2*pi*y0",
+            r"\nrk4 +h <= 0\.4432932385\.\.\. +up to 0\.4432932386 [^~]*\nproved: with pi = 3\.141592653589793, the",
+        ),
+        (
+            "-sqrt(2)*y0",
+            r"\nrk4 +1 +16384\nbackward_euler .*\n\nLinear, but nothing is proved: that takes solutions that do not grow, at most 20",
+        ),
+        (
+            "-1000000000000*y0",
+            r"\nbackward_euler +every h > 0 +up to 1\.\d+, the largest tried",
+        ),  # as long as the problem
+    ],
+)
+def test_a_proof_says_of_which_numbers_it_is_and_a_linear_problem_why_it_has_none(rate, said):
+    """2.785293563405/(2 pi) = 0.443293238...; what is looked at goes to the end of the problem, t = 1."""
+    found = str(driftproof.stability({"rates": [rate], "start": [1], "end": 1}, "rk4,backward_euler", 1))
+    assert re.search(said, found)
+
+
 def test_so_many_steps_are_run_and_no_more():
     said = "1000001 steps to t = 1000001 are too many; at most 1000000 are run"
     with pytest.raises(ValueError, match=said):

@@ -201,7 +201,7 @@ LINEAR = {
     "-(y0 + 2*y1)*3/7; -y1 + 1 - 1": [[Fraction(-3, 7), Fraction(-6, 7)], [0, -1]],
     "-y0 + 1": [[-1]], "y1; -y0 - y1/5 + 1": [[0, 1], [-1, Fraction(-1, 5)]], "0; 2 - y1": [[0, 0], [0, -1]],
     "1": None, "y1; 1 - y1": None, "1; -y1": None, "-y0*t": None,
-    "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
+    "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": [[Fraction(-math.pi)]],
     "y0": None, "y1; 0": None, "-y0*y0/y0": None,
 }  # fmt: skip
 

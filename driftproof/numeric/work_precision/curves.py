@@ -15,7 +15,7 @@ from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
+from driftproof.numeric.reference_errors import STATE, Size, branch_remark, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import COMPILED_FROM, Integrator, has_numba, integrator
 
 # The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.
@@ -42,8 +42,8 @@ class Point:
     """One run of `steps` steps, or of an adaptive method at tolerance `setting`.
 
     `errors` has the names of `reference_errors.QUANTITIES` as keys. It is empty if `remark` says why: not finite, not
-    solved, or not run because it would take too long. `doubt` and `scale` are `doubt` and `largest_state_size` of
-    `reference_errors`.
+    solved, or not run because it would take too long; with errors a remark is the `branch_remark`. `doubt` and `scale`
+    are `doubt` and `largest_state_size` of `reference_errors`.
     """
 
     setting: str
@@ -257,8 +257,8 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
         sizes = errors(problem, run.states, run.way)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
         return Point(str(steps), None, remark=error_summary(error), steps=steps)
-    unsure = doubt(problem, steps, speed(problem))
-    return Point(str(steps), run.evaluations, sizes, unsure, largest_state_size(problem), steps=steps)
+    unsure, remark = doubt(problem, steps, speed(problem)), branch_remark(problem, run.past, sizes[STATE].final)
+    return Point(str(steps), run.evaluations, sizes, unsure, largest_state_size(problem), remark, steps)
 
 
 def speed(problem: Problem) -> float:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from driftproof.methods.catalogue import Entry, FurtherMethod
-from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
+from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step, past_singular
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
@@ -35,11 +35,15 @@ TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 @dataclass(frozen=True)
 class CountedRun:
-    """A run of N steps: its states at those times of `steps_at_known_times`, its evaluations of f, and its way."""
+    """A run of N steps: its states at those times of `steps_at_known_times`, its evaluations of f, and its way.
+
+    `past` is as `past_singular` says.
+    """
 
     states: Mapping[Fraction, State]
     evaluations: int
     way: Way | None = None
+    past: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
         del reached[0]
         way = Way.of((n * h for n in reached), reached.values()) if problem.reference.dense else None
         states = {t: reached[n] for n, t in known.items()}
-        return CountedRun(states, evaluations_of(best, method, steps), way)
+        return CountedRun(states, evaluations_of(best, method, steps), way, past_singular(best))
 
     def call(run: Advance, steps: int) -> Callable[[], State]:
         return partial(run, start, float_step(problem.t, steps), 0, steps)

@@ -18,7 +18,7 @@ from driftproof.reports.page.stability import with_roots
 from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, work_table
 from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
-from driftproof.reports.stability import expected_of, steps_in_words
+from driftproof.reports.stability import expected_of, of_proofs, steps_in_words
 from driftproof.reports.stability_tables import STABLE_FROM
 from driftproof.reports.user_problem import kinks_of
 from driftproof.symbolic.claimed_orders import stated_orders
@@ -54,7 +54,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     rows = [row[columns] for row in (["Method", "Step sizes that it can take", "Expected"], *rows)]
     about = "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
     if problem.matrix is not None:
-        about = "Proved: the step sizes h whose powers stay bounded"
+        about = ". ".join(filter(None, ["Proved: the step sizes h whose powers stay bounded", of_proofs(problem)]))
     if any(STABLE_FROM in row[1] for row in rows):
         about += "; with fewer than are stable, the fastest decay on the way may grow in a longer run"
     table = html_table(rows, about, "words")

@@ -136,5 +136,5 @@ def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:
     for curve in found:
         for point in curve.points:
             spent = "–" if point.evaluations is None else str(point.evaluations)
-            rows.append([curve.title, str(point.steps), spent, point.remark or short(point.error)])
+            rows.append([curve.title, str(point.steps), spent, short(point.error) if point.errors else point.remark])
     return rows
