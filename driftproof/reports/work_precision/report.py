@@ -12,7 +12,7 @@ from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import ENDS, QUANTITIES, STATE, Size, floors, half_unit
+from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
@@ -76,8 +76,15 @@ def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Poin
 
 
 def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
-    """The method with its step size or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ..."."""
-    return "none of these runs" if found is None else f"{_how(study, *found)}: {found[1].evaluations} evaluations"
+    """The method with its step or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ...".
+
+    If the problem has an energy, its largest error is said.
+    """
+    if found is None:
+        return "none of these runs"
+    energy = found[1].errors.get(ENERGY)
+    said = f"; largest error of the energy on the way {with_digits(energy.largest, 2)}" if energy else ""
+    return f"{_how(study, *found)}: {found[1].evaluations} evaluations{said}"
 
 
 def _how(study: Study, curve: Curve, point: Point) -> str:

@@ -43,7 +43,7 @@ _MOST_BITS_OF_SOLUTION = 1024
 _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
 _ERRORS = ("state_error", "relative_error", "largest_error", "error.y0", "position_error")
-_ENERGIES = ("energy", "energy_change", "relative_energy_change")
+_ENERGIES = ("energy", "energy_change", "relative_energy_change", "largest_energy_change")
 PROBLEM_READOUTS = (
     "y0",
     "exact.y0",
@@ -272,10 +272,10 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
 
     Without a method these are the components of the solution, and its energy. With one they are y0, ... and exact.y0,
     ... at the end; slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps,
-    error.y0, ... of a component, and for q'' = F(t, q, q') position_error; energy, energy_change and
-    relative_energy_change if the problem has an energy; steps and evaluations; k1.y0, k2.y0, ... of the first step of
-    an explicit Runge-Kutta method, and if it is a pair, embedded.y0, ..., the other solution after that step, and
-    estimate.y0, ..., the first one minus the other.
+    error.y0, ... of a component, and for q'' = F(t, q, q') position_error; if the problem has an energy, that at the
+    end, energy_change, relative_energy_change, and largest_energy_change, where it is largest in size; steps and
+    evaluations; k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method, and if it is a pair,
+    embedded.y0, ..., the other solution after that step, and estimate.y0, ..., the first one minus the other.
     """
     all_steps = range(run.steps + 1)
 
@@ -302,11 +302,13 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     if run.rates.rates[:half] == run.rates.components[half:]:
         errors["position_error"] = slice(half)
     energies: dict[str, _OfStates] = {}
+    largest = {"largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps)))}
     if run.energy is not None:
         energies["energy"] = energy_of
         energies["energy_change"] = lambda run, first, end: (
             energies["energy"](run, first, end) - run.energies(Fraction(0), first)[0]
         )
+        largest["largest_energy_change"] = lambda run: _enclosed(lambda: _largest_change(run))
         energies["relative_energy_change"] = lambda run, first, end: (
             energies["energy_change"](run, first, end) / abs(_non_zero(run.energies(Fraction(0), first)[0]))
         )
@@ -328,7 +330,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
             lambda: off(run, slice(None)) / _distance(solved(run), [0] * len(run.start))
         ),
         **{name: partial(error_of, part) for name, part in errors.items()},
-        "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
+        **largest,
         **{name: partial(_read, energy) for name, energy in energies.items()},
         "steps": lambda run: Answer("", Fraction(run.steps)),
         **({} if isinstance(method, StartedMultistep) else {"evaluations": lambda run: evaluations(method, run.steps)}),
@@ -363,14 +365,35 @@ def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
     return reduce(arb.max, map(_distance, a, b), arb(0))
 
 
+def _largest_change(run: ProblemRun) -> arb:
+    """E(yₙ) - E(y₀) where it is largest in size, in a ball that holds those of all steps where it may be."""
+    energies = [run.energies(n * run.h, y)[0] for n, y in enumerate(run.numerical())]
+    changes = [energy - energies[0] for energy in energies]
+    least = max(change.abs_lower() for change in changes)
+    return reduce(arb.union, (change for change in changes if change.abs_upper() >= least))
+
+
 def _distance(a: _Row, b: _Row) -> arb:
     # Balls that hold 0 have no power in python-flint.
     differences = [x - y for x, y in zip(a, b, strict=True)]
     return sum((d * d for d in differences), arb(0)).nonnegative_part().sqrt()
 
 
-def _enclosed(x: CertifiableReal) -> Answer:
-    return Answer("", x, CERTIFIED)
+def _enclosed(read: Callable[[], arb]) -> Answer:
+    def decided() -> arb:
+        try:
+            return read()
+        except Uncertified:
+            with ctx.workprec(_MOST_BITS_OF_SOLUTION):
+                most = read()
+            if not most.contains(0):
+                raise
+            power = (arb(most.abs_upper()).log() / arb(10).log()).ceil().unique_fmpz()
+            raise Uncertified(
+                f"not decided with {_MOST_BITS_OF_SOLUTION} bits: 0, or below 1e{power} in size"
+            ) from None
+
+    return Answer("", decided, CERTIFIED)
 
 
 def problem_of_name(name: str, parameters: Mapping[str, Fraction]) -> ProblemTable:

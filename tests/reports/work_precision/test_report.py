@@ -61,7 +61,8 @@ def three_curves():
     """One whose end is luckier than its way, one that is as good all the way, and one that was not run further."""
 
     def curve(key, *points, doubt=0.0):
-        made = [Point(str(n), n, {"state": Size(*e)}, doubt=doubt, scale=1.0, steps=n) for n, *e in points]
+        sizes = lambda e: {name: Size(*e) for name in (("state", "energy") if key == "steady" else ("state",))}
+        made = [Point(str(n), n, sizes(e), doubt=doubt, scale=1.0, steps=n) for n, *e in points]
         return Curve(key, key, 1, made)
 
     lucky, steady = curve("lucky", (8, 1e-2, 1e-1), (16, 1e-4, 1e-2)), curve("steady", (20, 1e-4, 1e-4))
@@ -74,11 +75,12 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     shown = report.study_text(asked, three_curves())
     first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n"
     way = "There the largest error on the way is 0.010; for one of 2.5e-4, steady with h = 1/2, N = 20: 20 evaluations"
-    assert shown.startswith(f"{first}{way}\n\n")
+    energy = "; largest error of the energy on the way 0.00010"
+    assert shown.startswith(f"{first}{way}{energy}\n\n")
     both = report.study_text(replace(asked, wanted=[2e-2]), three_curves())
     assert both.startswith("For an error of at most 2e-2 at the end and on the way, floor with")
-    said = "By the largest error on the way: steady with h = 1/2, N = 20: 20 evaluations; looked at 1 time"
-    assert f"\n\n{said}\n" in shown
+    said = "By the largest error on the way: steady with h = 1/2, N = 20: 20 evaluations"
+    assert f"\n\n{said}{energy}; looked at 1 time\n" in shown
     assert shown.count("Least work for an error at the end of at most") == 1
     (found,) = report.errors_json(asked, three_curves())["least_work"]
     assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")

@@ -85,6 +85,9 @@ def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, mo
     for _ in range(3):
         y = y[0] + h * y[1], y[1] - h * y[0] / 2
     energy = y[1] ** 2 / 2 + y[0] ** 2 / 4
+    turn = "run heun2 x'=v, v'=-x, x(0)=1, v(0)=0, energy=x^2/2 - v, h=1/2"  # sin t - sin²t/2, to 3/2 down
+    changes = [value(f"{turn} N={n} : energy_change").digits(9) for n in range(1, 13)]
+    assert value(f"{turn} N=12 : largest_energy_change").digits(9) == min(changes, key=float) != changes[-1]
     for name in ("rates", "code"):
         run = f"run forward_euler problem={name}.toml h=1/4 N=3"
         assert value(f"{run} : energy").exact == energy
@@ -214,6 +217,8 @@ def test_start_of_the_question_goes_before_that_of_the_problem():
     assert at_rest.digits(3) != value("run rk4 problem=pendulum h=1/4 t=1 : y0").digits(3)
     assert value("exact rates=(y0) from 3 t=0 : y0").digits(3) == "3.00"
     assert value("exact rates=(-y0) from 1 t=1 : y0").digits(300)[:20] == "0.367879441171442321"
+    with pytest.raises(QuestionError, match=r"not decided with 1024 bits: 0, or below 1e-30[5-9] in size"):
+        value("run rk4 x'=v, v'=0*x, x(0)=0, v(0)=1, h=1/4 t=1 : relative_error").digits(3)
     with pytest.raises(QuestionError, match="not decided with 1024 bits: too many digits, or a tie"):
         value("exact rates=(-y0) from 1 t=1 : y0").digits(400)
 
