@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -129,7 +131,19 @@ def _function(table: TomlTable) -> RightHandSide:
         own = imported_object(as_text(own, "function"), "function")
     if not callable(own):
         raise ValueError(f"function is {type(own).__name__}, which cannot be called")
-    return partial(time_first(own), **_arguments(table))
+    return partial(time_first(own), **_keywords(own, table))
+
+
+def _keywords(own: RightHandSide, table: TomlTable) -> dict[str, Any]:
+    """The parameters for the function: without those that it does not take and other expressions are written in."""
+    arguments = _arguments(table)
+    with suppress(TypeError, ValueError):  # compiled code may have no signature
+        taken = signature(own).parameters
+        texts = [*map(str, table.get("parameters", {}).values()), str(table.get("energy", ""))]
+        if not any(each.kind is each.VAR_KEYWORD for each in taken.values()):
+            written = {name for text in texts for name in re.findall(r"[^\W\d]\w*", text)} - {*taken}
+            return {name: value for name, value in arguments.items() if name not in written}
+    return arguments
 
 
 def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:

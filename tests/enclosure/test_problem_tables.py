@@ -34,6 +34,11 @@ def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
     }
     of_table = given_problem({"function": lambda t, y, **its: its, "parameters": told}).f(0.0, [])
     assert of_table == told | {"third": 1 / 3}
+    driven = {"function": lambda t, y, w: [w * y[0]], "parameters": {"f": 3, "g": 2, "w": "2*f"}}
+    with pytest.raises(TypeError, match="unexpected keyword argument 'g'"):  # stands nowhere
+        given_problem(driven).f(0.0, [1.0])
+    del driven["parameters"]["g"]
+    assert given_problem(driven).f(0.0, [1.0]) == [6.0]
     for given, words in (
         (spring, "unknown parameter 'g'; choose from k, c"),
         ({"rates": ["y0"]}, "no parameter 'g'; it has none"),
