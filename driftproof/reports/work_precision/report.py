@@ -11,8 +11,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.methods.catalogue import Entry
+from driftproof.methods.schemes import Splitting
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
+from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
@@ -376,12 +379,25 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")
     lines.append("Evaluations are those of f, as made, even if a step begins by repeating the last of the step before;")
+    run = [key for key, curve in measured.curves.items() if curve.points]
+    if repeating := [x for m in study.methods if m.key in run and (x := _if_kept(m))]:
+        lines.append(f"code that keeps it makes one less in a step: {', '.join(repeating)};")
     lines.append("Jacobian matrices are not among them: they are computed by formulas.")
     if any(key.endswith(" controlled") for key in measured.curves):
         lines.append("controlled: each step's error estimate is within tolerance (1 + |y|) in every component.")
     asked = study.question()
     lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
     return lines
+
+
+def _if_kept(method: Entry) -> str:
+    """The evaluations of a splitting that begins and ends with a kick, and those if the last is kept; else ""."""
+    from driftproof.symbolic.linear.reduced_tableau import reduced_word
+
+    word = reduced_word(method) if isinstance(method, Splitting) else []
+    if not word or not word[0][0] == word[-1][0] == "kick":
+        return ""
+    return f"{method.key} {(made := evaluations_per_step(method))} -> {made - 1}"
 
 
 def _settings(curve: Curve, points: Sequence[Point]) -> str:
