@@ -15,7 +15,6 @@ import numpy as np
 from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step, past_singular
 from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
-from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
 
@@ -114,17 +113,11 @@ def steps_at_known_times(problem: Problem, steps: int) -> dict[int, Fraction]:
 
 def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
-    if isinstance(method, FurtherMethod):
-        return "multistep and Rosenbrock methods are only timed for one trajectory"
+    if isinstance(method, FurtherMethod) or not method.explicit:
+        return "implicit, multistep and Rosenbrock methods are only timed for one trajectory"
     start = np.array(float_start(problem))[:, None]
-    run: EnsembleRun
-    if fast:
-        compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
-        run = compiled(method, problem.field)
-    elif method.explicit:
-        run = _on_arrays(array_runner(method, problem.field))
-    else:
-        return "implicit methods are only timed compiled"
+    field = problem.field
+    run = compiled_ensemble_runner(method, field) if fast else _on_arrays(array_runner(method, field))
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), float_step(problem.t, steps)

@@ -88,7 +88,7 @@ def test_an_ensemble_reaches_the_same_bits_and_is_refused_where_there_is_none() 
     assert call() == call() == runs.run(16).states[T]
     kepler = integrator(METHODS["velocity_verlet"], problem_named("kepler"))
     assert kepler.calls["ensemble"](16)() == kepler.run(16).states[problem_named("kepler").t]
-    assert integrator(METHODS["gauss2"], HARMONIC).absent["ensemble"] == "implicit methods are only timed compiled"
+    assert integrator(METHODS["gauss2"], HARMONIC).absent["ensemble"].startswith("implicit, multistep and")
 
 
 def test_rate_of_a_field_is_the_field_whatever_its_parameters_are_called() -> None:
