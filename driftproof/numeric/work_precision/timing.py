@@ -10,6 +10,8 @@ from random import Random
 from statistics import median, quantiles
 from time import perf_counter
 
+from driftproof.support.plain_text import with_digits
+
 ROUNDS = 5
 # A call shorter than SHORT seconds is repeated in a batch of about BATCH seconds, long enough to hide the clock's cost.
 SHORT, BATCH = 10e-6, 100e-6
@@ -103,3 +105,11 @@ def collector_off() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
+
+
+def seconds_text(seconds: float) -> str:
+    """The seconds with three digits, in ns, µs, ms or s."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{with_digits(seconds / size, 3)} {unit}"
+    return f"{with_digits(seconds / 1e-9, 3)} ns"

@@ -11,15 +11,13 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
-from driftproof.methods.catalogue import Entry
 from driftproof.methods.schemes import Splitting
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
-from driftproof.numeric.steppers import evaluations_per_step
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
-from driftproof.numeric.work_precision.timing import ROUNDS, Timing
+from driftproof.numeric.work_precision.timing import ROUNDS, Timing, seconds_text
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
 from driftproof.reports.user_problem import KINKED, kinks_of
 from driftproof.reports.work_precision.peers import INSTALL
@@ -336,14 +334,6 @@ def _why_none(curve: Curve) -> str:
     return f"does not apply: {curve.refused}" if curve.refused else remarks[-1] if remarks else curve.verdict
 
 
-def seconds_text(seconds: float) -> str:
-    """The seconds with three digits, in ns, µs, ms or s."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= size:
-            return f"{with_digits(seconds / size, 3)} {unit}"
-    return f"{with_digits(seconds / 1e-9, 3)} ns"
-
-
 def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, was not run or is absent; then how times were taken."""
     from driftproof.symbolic.claimed_orders import false_claims
@@ -378,26 +368,17 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")
-    lines.append("Evaluations are those of f, as made, even if a step begins by repeating the last of the step before;")
-    run = [key for key, curve in measured.curves.items() if curve.points]
-    if repeating := [x for m in study.methods if m.key in run and (x := _if_kept(m))]:
-        lines.append(f"code that keeps it makes one less in a step: {', '.join(repeating)};")
+    again = [x.key for x in study.methods if isinstance(x, Splitting) and x.parts[0][0] == x.parts[-1][0] == "kick"]
+    which = f" (so {', '.join(again)}: code that keeps it makes one less in each step)" if again else ""
+    lines.append(
+        f"Evaluations are those of f, as made, even if a step begins by repeating the last of the one before{which};"
+    )
     lines.append("Jacobian matrices are not among them: they are computed by formulas.")
     if any(key.endswith(" controlled") for key in measured.curves):
         lines.append("controlled: each step's error estimate is within tolerance (1 + |y|) in every component.")
     asked = study.question()
     lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
     return lines
-
-
-def _if_kept(method: Entry) -> str:
-    """The evaluations of a splitting that begins and ends with a kick, and those if the last is kept; else ""."""
-    from driftproof.symbolic.linear.reduced_tableau import reduced_word
-
-    word = reduced_word(method) if isinstance(method, Splitting) else []
-    if not word or not word[0][0] == word[-1][0] == "kick":
-        return ""
-    return f"{method.key} {(made := evaluations_per_step(method))} -> {made - 1}"
 
 
 def _settings(curve: Curve, points: Sequence[Point]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -102,7 +102,7 @@ class ProblemRun:
                 with ctx.workprec(ctx.prec + self.method.bits_lost(self.steps)):
                     found.update(enumerate(islice(self._multistep(), self.steps + 1)))
         elif self.steps not in found:
-            step = exact_step(self.method, self._function, len(self.start))
+            step = exact_step(self.method, _function_of(self.rates), len(self.start))
             found[0] = tuple(enclose(x) for x in self.start)
             for n in range(len(found), self.steps + 1):
                 found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
@@ -118,7 +118,7 @@ class ProblemRun:
             with ctx.workprec(bits):
                 start = [enclose(x) for x in self.start]
             at = [Fraction(0), *(t for t in missing if t)]
-            found.update(zip(at, enclose_solution(self._function, start, at, bits).states, strict=True))
+            found.update(zip(at, enclose_solution(_function_of(self.rates), start, at, bits).states, strict=True))
         return [found[t] for t in times]
 
     @cached_property
@@ -171,7 +171,7 @@ class ProblemRun:
             raise TypeError("not from an explicit method")
         first = self.true(range(k)) if starter is None else self._started(starter, k, exactly)
         yield from first
-        solved = implicit_step(METHODS["backward_euler"], self._function, len(self.start))
+        solved = implicit_step(METHODS["backward_euler"], _function_of(self.rates), len(self.start))
         yield from self.method.states(self.rate, first, self.h, solved)
 
     def _started(self, starter: Method, many: int, exactly: bool) -> list[_Row]:
@@ -195,15 +195,15 @@ class ProblemRun:
 
     def rate(self, t: Any, y: _Row) -> _Row:
         """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""
-        return _values(self._function, t, y)
+        return _values(_function_of(self.rates), t, y)
 
-    def energies(self, t: Any, y: _Row) -> _Row:
-        """The energy of y, the only entry, in the type of y. Raises TypeError as `rate` does."""
-        return _values(enclosable(field_function(self.rates, [self.energy or "0"])), t, y)
+    def energy_of(self, t: Any, y: _Row) -> Any:
+        """The energy of y, in the type of y. Raises TypeError as `rate` does."""
+        return _values(_function_of(self.rates, self.energy), t, y)[0]
 
-    @property
-    def _function(self) -> RightHandSide:
-        return _function_of(self.rates)
+    def energy_change(self, t: Any, y: _Row, first: _Row) -> Any:
+        """The energy of y at t less that of the first state, in the type of y. Raises TypeError as `rate` does."""
+        return self.energy_of(t, y) - self.energy_of(Fraction(0), first)
 
 
 def _lift_of(y: _Row) -> Callable[[Any], Any]:
@@ -212,9 +212,9 @@ def _lift_of(y: _Row) -> Callable[[Any], Any]:
 
 
 @lru_cache(maxsize=64)
-def _function_of(rates: VectorField) -> RightHandSide:
-    """The rates as a function on balls, written and compiled once for all runs on a problem."""
-    return enclosable(field_function(rates))
+def _function_of(rates: VectorField, energy: str | None = None) -> RightHandSide:
+    """The rates or the energy as a function on balls, written and compiled once for all runs on a problem."""
+    return enclosable(field_function(rates, energy and [energy]))
 
 
 def _values(function: RightHandSide, t: Any, y: _Row) -> _Row:
@@ -279,39 +279,22 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     """
     all_steps = range(run.steps + 1)
 
-    def off(run: ProblemRun, part: slice) -> arb:
-        return _distance(run.numerical()[-1][part], solved(run)[part])
-
     def error_of(part: slice, run: ProblemRun) -> Answer:
-        return _enclosed(lambda: off(run, part))
+        return _enclosed(lambda: _distance(run.numerical()[-1][part], solved(run)[part]))
 
     def solved(run: ProblemRun) -> _Row:
-        (end,) = run.true(all_steps[-1:])
-        return end
-
-    def energy_of(run: ProblemRun, _: _Row, end: _Row) -> Any:
-        return run.energies(run.t, end)[0]
+        return run.true(all_steps[-1:])[0]
 
     exact = "exact." if run.method is not None else ""
     components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
     solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: solved(run)[i])) for i, y in components}
+    energy = {} if run.energy is None else {"energy": partial(_read, lambda run, _, end: run.energy_of(run.t, end))}
     if (method := run.method) is None:
-        return {**solution, **({} if run.energy is None else {"energy": partial(_read, energy_of)})}
+        return {**solution, **energy}
     errors = {f"error.{y}": slice(i, i + 1) for i, y in components}
     half = len(run.start) // 2
     if run.rates.rates[:half] == run.rates.components[half:]:
         errors["position_error"] = slice(half)
-    energies: dict[str, _OfStates] = {}
-    largest = {"largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps)))}
-    if run.energy is not None:
-        energies["energy"] = energy_of
-        energies["energy_change"] = lambda run, first, end: (
-            energies["energy"](run, first, end) - run.energies(Fraction(0), first)[0]
-        )
-        largest["largest_energy_change"] = lambda run: _enclosed(lambda: _largest_change(run))
-        energies["relative_energy_change"] = lambda run, first, end: (
-            energies["energy_change"](run, first, end) / abs(_non_zero(run.energies(Fraction(0), first)[0]))
-        )
     rows: dict[str, _OfStates] = {"slope": lambda run, _, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         for j in range(len(run.method.b)):
@@ -327,11 +310,12 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         **solution,
         "state_error": partial(error_of, slice(None)),
         "relative_error": lambda run: _enclosed(
-            lambda: off(run, slice(None)) / _distance(solved(run), [0] * len(run.start))
+            lambda: _distance(run.numerical()[-1], solved(run)) / _distance(solved(run), [0] * len(run.start))
         ),
         **{name: partial(error_of, part) for name, part in errors.items()},
-        **largest,
-        **{name: partial(_read, energy) for name, energy in energies.items()},
+        "largest_error": lambda run: _enclosed(lambda: _largest(map(_distance, run.numerical(), run.true(all_steps)))),
+        **energy,
+        **(_CHANGES if energy else {}),
         "steps": lambda run: Answer("", Fraction(run.steps)),
         **({} if isinstance(method, StartedMultistep) else {"evaluations": lambda run: evaluations(method, run.steps)}),
         **{
@@ -354,23 +338,22 @@ def _read(read: _OfStates, run: ProblemRun) -> Answer:
     return _enclosed(lambda: read(run, run.numerical()[0], run.numerical()[-1]))
 
 
-def _non_zero(energy: Any) -> Any:
-    if energy == 0:
+def _relative_change(run: ProblemRun, first: _Row, end: _Row) -> Any:
+    if (energy := run.energy_of(Fraction(0), first)) == 0:
         raise ValueError("the energy of the start is 0, so no change is relative to it")
-    return energy
+    return run.energy_change(run.t, end, first) / abs(energy)
 
 
-def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
-    """The maximum over time of the distance of two states, enclosed: arb.max bounds both ends of the ball."""
-    return reduce(arb.max, map(_distance, a, b), arb(0))
+def _largest(numbers: Iterable[arb]) -> arb:
+    """The one that is largest in size, in a ball that holds all that may be."""
+    balls = [*numbers]
+    least = max(ball.abs_lower() for ball in balls)
+    return reduce(arb.union, (ball for ball in balls if ball.abs_upper() >= least))
 
 
 def _largest_change(run: ProblemRun) -> arb:
-    """E(yₙ) - E(y₀) where it is largest in size, in a ball that holds those of all steps where it may be."""
-    energies = [run.energies(n * run.h, y)[0] for n, y in enumerate(run.numerical())]
-    changes = [energy - energies[0] for energy in energies]
-    least = max(change.abs_lower() for change in changes)
-    return reduce(arb.union, (change for change in changes if change.abs_upper() >= least))
+    states = run.numerical()
+    return _largest(run.energy_change(n * run.h, y, states[0]) for n, y in enumerate(states))
 
 
 def _distance(a: _Row, b: _Row) -> arb:
@@ -389,11 +372,17 @@ def _enclosed(read: Callable[[], arb]) -> Answer:
             if not most.contains(0):
                 raise
             power = (arb(most.abs_upper()).log() / arb(10).log()).ceil().unique_fmpz()
-            raise Uncertified(
-                f"not decided with {_MOST_BITS_OF_SOLUTION} bits: 0, or below 1e{power} in size"
-            ) from None
+            said = f"0, or below 1e{power} in size"
+            raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: {said}") from None
 
     return Answer("", decided, CERTIFIED)
+
+
+_CHANGES: dict[str, Callable[[ProblemRun], Answer]] = {
+    "energy_change": partial(_read, lambda run, first, end: run.energy_change(run.t, end, first)),
+    "relative_energy_change": partial(_read, _relative_change),
+    "largest_energy_change": lambda run: _enclosed(lambda: _largest_change(run)),
+}
 
 
 def problem_of_name(name: str, parameters: Mapping[str, Fraction]) -> ProblemTable:
