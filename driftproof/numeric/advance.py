@@ -50,17 +50,6 @@ def evaluations_of(run: Advance, method: Entry, steps: int) -> int:
     return run.calls if isinstance(run, ImplicitRun) else steps * evaluations_per_step(of_one_state(method))
 
 
-def past_singular(run: Advance) -> float:
-    """The time at the end of the first step on another branch, as `numeric.implicit` says, since this was last asked.
-
-    0 if there is none.
-    """
-    past = 0.0
-    if isinstance(run, ImplicitRun | MultistepRun):
-        past, run.past = run.past, 0.0
-    return past
-
-
 def error_summary(error: Exception) -> str:
     """Why a run could not go on, in one line: the `reason` of the error if it has one, else its message."""
     return getattr(error, "reason", "") or " ".join(str(error).split())

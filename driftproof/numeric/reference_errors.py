@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import VectorField, partial_derivative
-from driftproof.numeric.advance import field_rate, rests_at_origin
+from driftproof.numeric.advance import Advance, field_rate, rests_at_origin
 from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import DenseSolution, Digits, Problem
 from driftproof.numeric.readouts import phase_error
@@ -173,11 +173,12 @@ def largest_state_size(problem: Problem) -> float:
     return max(_length(problem.start), *sizes, problem.reference.largest_between)
 
 
-def branch_remark(problem: Problem, past: float, error: float) -> str:
-    """What is to be said of a run with this error that is `past_singular` since the time `past`; "" if nothing.
+def branch_remark(problem: Problem, run: Advance | None, error: float) -> str:
+    """What is to be said of a run that found roots on another branch, as `numeric.implicit` says; "" if nothing.
 
     A linear problem's stage equations have one root, and a run that follows the solution has found a good one.
     """
+    past = getattr(run, "past", 0.0)
     told = past and error > FOLLOWS * largest_state_size(problem) and not problem.field.linear
     return f"another branch from t = {past:.3g} on" if told else ""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -41,16 +40,12 @@ def region_of(r: RationalFunction) -> Plot:
     points = points[np.abs(points) <= _FARTHEST]
     ends = [(part.min(), part.max()) for part in (points.real, points.imag)]
     reach = 0.6 * max(1.0, *(high - low for low, high in ends))
-    plot = _plane([(low + high) / 2 for low, high in ends], reach)
+    middle = [(low + high) / 2 for low, high in ends]
+    (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
+    plot = Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
     _shade(plot, lambda z: np.abs(_values(r, z)) <= 1)
     plot.dots([(z.real, z.imag) for z in points], "dots m0")
     return plot
-
-
-def _plane(middle: Sequence[float], reach: float) -> Plot:
-    """A plot of the square of the complex plane with this middle, from -reach to reach around it."""
-    (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
-    return Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
 
 
 def _shade(plot: Plot, inside: Any) -> None:

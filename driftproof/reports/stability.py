@@ -23,7 +23,7 @@ from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_o
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.advance import Advance, advance, float_start, float_step, past_singular, rests_at_origin
+from driftproof.numeric.advance import Advance, advance, float_start, float_step, rests_at_origin
 from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
@@ -111,12 +111,13 @@ def stability(
     if max(counts) > _MOST_SHOWN:
         raise ValueError(f"{brief(max(counts))} steps to t = {about.t} are too many; at most {_MOST_SHOWN} are run")
     asked = methods_of(methods or STABILITY_METHODS)
+    largest = () if about.matrix is None else of_largest_modulus(eigenvalues(about.matrix))
     answer = {
         "problem": about.key,
         "title": about.title,
         "linear": about.matrix is not None,
         "size": repr(largest_state_size(about)),
-        **({} if about.matrix is None else {"stiffest": _largest_text(about.matrix)}),
+        **({"stiffest": ", ".join(map(eigenvalue_text, largest))} if largest else {}),
         **({"proofs": proofs} if (proofs := of_proofs(about)) else {}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
@@ -131,11 +132,6 @@ def of_proofs(problem: Problem) -> str:
     wanted = f"solutions that do not grow, at most {MOST_PROVED} components, and + - * / of numbers and pi"
     linear = problem.field.linear and any(problem.field.dependence())
     return f"Linear, but nothing is proved: that takes {wanted}" if linear else ""
-
-
-def _largest_text(rows: Sequence[Sequence[Fraction]]) -> str:
-    """The eigenvalues of largest modulus."""
-    return ", ".join(map(eigenvalue_text, of_largest_modulus(eigenvalues(rows))))
 
 
 def _in_its_stage(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
@@ -156,7 +152,7 @@ def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Js
         **({"claims": list(map(str, missed))} if (missed := false_claims(method)) else {}),
         "expected": expected_of(problem, method),
         **(_nonlinear_answer(problem, method, runs) if found is None else _linear_part(problem, method, found)),
-        "runs": [_run_answer(problem, runs, found, steps) for steps in counts],
+        "runs": [_run_answer(problem, method, found, steps) for steps in counts],
     }
 
 
@@ -279,12 +275,12 @@ def steps_for_decay(method: Entry, t: Fraction, decay: float) -> int:
     return ceil(float(t) * decay / float(limit)) if isinstance(limit, RealRoot) and limit != ZERO_ROOT else 0
 
 
-def _run_answer(problem: Problem, runs: Advance, found: LinearSystem | None, steps: int) -> Json:
+def _run_answer(problem: Problem, method: Entry, found: LinearSystem | None, steps: int) -> Json:
     h = float_step(problem.t, steps)
-    past_singular(runs)
+    runs = advance(method, problem)
     seen = observe(runs, float_start(problem), h, steps)
     error = error_of(problem, seen) if seen.failed_after is None else inf
-    branch = branch_remark(problem, past_singular(runs), error)
+    branch = branch_remark(problem, runs, error)
     return {
         "h": repr(h),
         "steps": steps,

@@ -257,7 +257,7 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
         sizes = errors(problem, run.states, run.way)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
         return Point(str(steps), None, remark=error_summary(error), steps=steps)
-    unsure, remark = doubt(problem, steps, speed(problem)), branch_remark(problem, run.past, sizes[STATE].final)
+    unsure, remark = doubt(problem, steps, speed(problem)), branch_remark(problem, run.run, sizes[STATE].final)
     return Point(str(steps), run.evaluations, sizes, unsure, largest_state_size(problem), remark, steps)
 
 

@@ -13,8 +13,8 @@ from typing import TypeAlias
 import numpy as np
 
 from driftproof.methods.catalogue import Entry, FurtherMethod
-from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step, past_singular
-from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
+from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
+from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
 
@@ -34,15 +34,12 @@ TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 @dataclass(frozen=True)
 class CountedRun:
-    """A run of N steps: its states at those times of `steps_at_known_times`, its evaluations of f, and its way.
-
-    `past` is as `past_singular` says.
-    """
+    """A run of N steps: its states at those times of `steps_at_known_times`, evaluations of f, its way, and itself."""
 
     states: Mapping[Fraction, State]
     evaluations: int
     way: Way | None = None
-    past: float = 0.0
+    run: Advance | None = None
 
 
 @dataclass(frozen=True)
@@ -64,11 +61,6 @@ def has_numba() -> bool:
     return find_spec("numba") is not None
 
 
-def kinds_of_trajectories() -> tuple[str, ...]:
-    """The kinds in which one trajectory can be timed here, the fastest last."""
-    return (PYTHON, COMPILED) if has_numba() else (PYTHON,)
-
-
 def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` adds numba's runs, which give the errors of explicit methods.
 
@@ -88,7 +80,7 @@ def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> In
         del reached[0]
         way = Way.of((n * h for n in reached), reached.values()) if problem.reference.dense else None
         states = {t: reached[n] for n, t in known.items()}
-        return CountedRun(states, evaluations_of(best, method, steps), way, past_singular(best))
+        return CountedRun(states, evaluations_of(best, method, steps), way, best)
 
     def call(run: Advance, steps: int) -> Callable[[], State]:
         return partial(run, start, float_step(problem.t, steps), 0, steps)
@@ -116,8 +108,9 @@ def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str
     if isinstance(method, FurtherMethod) or not method.explicit:
         return "implicit, multistep and Rosenbrock methods are only timed for one trajectory"
     start = np.array(float_start(problem))[:, None]
-    field = problem.field
-    run = compiled_ensemble_runner(method, field) if fast else _on_arrays(array_runner(method, field))
+    if not fast:
+        return "ensembles are only timed compiled"
+    run = compiled_ensemble_runner(method, problem.field)
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), float_step(problem.t, steps)
@@ -130,11 +123,3 @@ def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str
         return integrate
 
     return call
-
-
-def _on_arrays(step: Run) -> EnsembleRun:
-    def run(y: FloatArray, h: float, first: int, last: int) -> None:
-        with np.errstate(all="ignore"):
-            y[:] = step(tuple(y), h, first, last)
-
-    return run

@@ -12,7 +12,6 @@ from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.methods.schemes import Splitting
-from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
@@ -189,10 +188,11 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     from driftproof.symbolic.claimed_orders import stated_orders
 
     by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
-    goals = study.wanted or GOALS
+    goals, problem = study.wanted or GOALS, study.problem
+    reduces = "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
     parts = [
         _head(study),
-        table(order_rows(measured, _reduces(study.problem), stated_orders(study.methods)), right=(1,)),
+        table(order_rows(measured, reduces, stated_orders(study.methods)), right=(1,)),
     ]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
@@ -238,10 +238,6 @@ def _head(study: Study) -> str:
         + ("" if problem.field.smooth else f"\n{kinks_of(problem)}")
         + (f"\n{problem.energy_note}" if problem.energy_note else "")
     )
-
-
-def _reduces(problem: Problem) -> str:
-    return "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
 
 
 def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}) -> list[list[str]]:

@@ -219,8 +219,6 @@ def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only():
 def test_kinks_and_jumps_explain_orders_below_the_claim():
     stopped = {"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}
     problem = user_problem.problem_given(stopped)
-    assert report._reduces(problem) == "f has kinks or jumps"
-    assert report._reduces(problem_named("harmonic_oscillator")) == ""
     later = replace(problem.reference, changes=tuple(Fraction(k, 2) for k in range(7)))
     for reference, said in (
         (problem.reference, f" at t = {atan(0.25 / 1.2):.6g}:"),
