@@ -211,8 +211,8 @@ def test_a_number_of_the_list_is_that_of_its_quote_and_of_its_proof(
 ) -> None:
     """As a whole, with its sign, except in the cells of a table that run together."""
     (entry,) = _entries([("L901", 1, quote)], printed=printed, decimal=decimal)
-    for found, words in zip(slips_of(entry, {"L901": ("0.50", "0.5")}), told, strict=True):
-        assert words in found
+    found = list(slips_of(entry, {"L901": ("0.50", "0.5")}))
+    assert [words in each for each, words in zip(found, told, strict=True)] == [True] * len(told)
 
 
 def test_an_entry_that_is_new_or_verifiable_otherwise_is_named() -> None:
