@@ -80,7 +80,7 @@ def inventory() -> list[dict[str, Any]]:
     entries = document.get("claims") if isinstance(document, dict) else None
     if not isinstance(entries, list):
         raise ValueError(f'{INVENTORY.name}: its entries are a list under "claims", as in {{"claims": [...]}}')
-    seen: set[str] = set()
+    seen: dict[str, int] = {}
     for number, entry in enumerate(entries, 1):
         last = f", after {entries[number - 2]['id']}" if number > 1 else ""
         name = entry["id"] if isinstance(entry, dict) and isinstance(entry.get("id"), str) else f"entry {number}{last}"
@@ -89,9 +89,10 @@ def inventory() -> list[dict[str, Any]]:
                 raise ValueError(f"{INVENTORY.name}: {name} has no {field!r}; an entry has {', '.join(FIELDS)}")
             if not allowed(entry[field]):
                 raise ValueError(f"{INVENTORY.name}: {name}: its {field!r} is {entry[field]!r}, and may be {what}")
-        if name in seen:
-            raise ValueError(f"{INVENTORY.name}: {name} is the id of two entries, the second after {last[8:]}")
-        seen.add(name)
+        if seen.setdefault(name, number) != number:
+            raise ValueError(
+                f"{INVENTORY.name}: {name} is the id of the entries {seen[name]} and {number}, and may be of one"
+            )
     return entries
 
 

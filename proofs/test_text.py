@@ -173,7 +173,7 @@ def test_a_new_line_is_asked_for_a_statement(lines: list[str]) -> None:
             ": entry 2, after L901 has no 'id'; an entry has id, line, quote, verifiable, printed, ",
         ),
         ('"L902"', '"L92"', ": L92: its 'id' is 'L92', and may be L and three digits"),
-        ('"L902"', '"L901"', ": L901 is the id of two entries, the second after L901"),
+        ('"L902"', '"L901"', ": L901 is the id of the entries 1 and 2, and may be of one"),
         ('"line": 3', '"line": "3"', ": L902: its 'line' is '3', and may be the number of its line, or of its first "),
         ('"40", "verifiable": true', '"40", "verifiable": "yes"', ": L902: its 'verifiable' is 'yes', and may be true"),
         ('"printed": null', '"printed": 40', ": L901: its 'printed' is 40, and may be the number that it prints, as"),
