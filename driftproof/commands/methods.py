@@ -9,6 +9,7 @@ from driftproof.commands import arguments as cli
 
 # Terms of a series: this many take a second for most methods, and minutes for those with irrational coefficients.
 MOST_TERMS = 1000
+_PICTURES = ("region", "order-star", "phase")
 
 
 @cli.command(cli.format_option("text json", "json has an entry for each key"))
@@ -46,7 +47,8 @@ def methods_command(options: Namespace) -> str:
     cli.option("--terms", "terms of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
     cli.flag("--all", "in text, also show the facts that are rarely needed"),
     cli.format_option("text json tex"),
-    cli.option("--plot", "also draw the stability region into this .svg file", type=Path, metavar="FILE"),
+    cli.option("--plot", "also draw a figure into this .svg file; see --picture", type=Path, metavar="FILE"),
+    cli.option("--picture", "what --plot draws (default region); phase: dispersion and dissipation", choices=_PICTURES),
 )
 def facts_command(options: Namespace) -> str:
     """Derive the exact facts of a method: order, stability, symplecticity, limits on h, series, each with its reason.
@@ -84,13 +86,15 @@ def facts_command(options: Namespace) -> str:
 
     about = {name: getattr(options, name) for name in ("only", "at", "system", "order_tolerance", "terms")}
     sheet = facts(options.method, **about)
-    if options.plot:
+    if not options.plot:
+        cli.refuse(options, ("picture",), "without --plot")
+    else:
         if not isinstance(sheet, MethodFacts):
             takes = "--plot takes one method of one step, without --system; --at chooses a member of a family"
             raise ValueError(f"{takes}; `driftproof facts` without --plot has the facts of all")
         from driftproof.reports.method_figures import draw_method
 
-        draw_method(sheet.method, options.plot)
+        draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)
     written: str = sheet.written(options.format, options.all)
     written += f"\n\nwrote {options.plot}" if options.plot and options.format == "text" else ""
     if sheet.unreached:

@@ -42,15 +42,25 @@ def compiled_ensemble_runner(method: Method, field: VectorField) -> EnsembleRun:
     y, of binary64, is overwritten with the states after steps first to last - 1, step i from t = i h, with the bits of
     `runner`. Needs the extra `fast`. Raises ValueError for another y.
     """
-    source, rows = field_source(method, field), len(field.rates)
+    source = field_source(method, field)
 
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
-        if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
-            said = f"an ensemble is a C-contiguous float64 array with {rows} rows"
-            raise ValueError(f"y is {y.dtype}{list(y.shape)}; {said}")
+        require_ensemble(y, len(source.components))
         _compiled_blocks(source)(y, h, first, last)
 
     return run_blocks
+
+
+def require_ensemble(y: FloatArray, rows: int) -> None:
+    """Raise ValueError unless y consists of `rows` rows of float64, one after another in memory."""
+    if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
+        raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
+
+
+def array_runner(method: Method, field: VectorField) -> Run:
+    """Return run(y, h, first, last) on a tuple of NumPy's arrays: the text of `runner`, one operation at a time."""
+    source = field_source(method, field)
+    return program_function(elementwise(source.run()), method.key, source.coefficients, functions_of(np))
 
 
 def functions_of(library: Any) -> dict[str, Any]:

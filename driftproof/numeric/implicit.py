@@ -40,9 +40,10 @@ import numpy as np
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
+from driftproof.numeric.engine import EnsembleRun, FloatArray, require_ensemble
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.loops import loop, maker_of_rows
-from driftproof.numeric.newton import StepTable, run_steps
+from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
 NO_STEP = (0.0,) * (newton.PAST + 1)  # the report before the first step
@@ -95,10 +96,32 @@ def implicit_runner(method: Method, field: VectorField, *, compiled: bool = Fals
     Compiled by numba it has the same bits, and needs the extra `fast`. The first call on a field then compiles, which
     takes some ten seconds; other methods on that field need no more.
     """
-    table, run = _table(method), partial(loop(run_steps, compiled=compiled), field_writers(field, compiled=compiled))
+    table, run = _table(method), _on_field(run_steps, field, compiled=compiled)
     if compiled:
         table = StepTable._make((*map(np.array, table[:4]), table.way))
     return ImplicitRun(method.key, run, table, maker_of_rows(compiled=compiled))
+
+
+def compiled_implicit_ensemble_runner(method: Method, field: VectorField) -> EnsembleRun:
+    """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_ensemble_runner`.
+
+    Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
+    states of the others are then undefined.
+    """
+    arrays, run = implicit_runner(method, field, compiled=True).table, _on_field(run_ensemble, field, compiled=True)
+
+    def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
+        require_ensemble(y, len(field.rates))
+        report = np.array(NO_STEP)
+        run(y, h, first, last, arrays, report)
+        require_done(method.key, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
+
+    return run_systems
+
+
+def _on_field(run: Callable[..., None], field: VectorField, *, compiled: bool) -> Callable[..., None]:
+    """The loop `run` of `newton` on y' = f(t, y)."""
+    return partial(loop(run, compiled=compiled), field_writers(field, compiled=compiled))
 
 
 @cache
@@ -121,14 +144,14 @@ def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
     return (*((i, i + 1) for i in range(ahead)), *rest)
 
 
-def require_done(key: str, report: Any, t: float, h: float) -> None:
+def require_done(key: str, report: Any, t: float, h: float, whose: str = "") -> None:
     """Raise StageEquationsUnsolved, in one line, if the step of the method with this key failed."""
-    where = f"{key}: the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}"
+    name, where = f"{key}: {whose}", f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}"
     if report[newton.STATE] in (newton.OVERFLOWS, newton.SINGULAR):
         reason = "overflows binary64" if report[newton.STATE] == newton.OVERFLOWS else "has a singular matrix"
-        raise StageEquationsUnsolved(f"{where} {reason}", reason)
+        raise StageEquationsUnsolved(f"{name}{where} {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
         left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times its rounding error"
-        where = f"{key}: the step by h = {h:g} to t = {report[newton.TIME]:g}"
+        where = f"{name}the step by h = {h:g} to t = {report[newton.TIME]:g}"
         reason = f"not solved after {int(report[newton.TRIED])} iterations"
         raise StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)

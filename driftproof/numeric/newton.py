@@ -23,9 +23,9 @@ SHRINKS, HALVES = 0.125, 0.5
 SHORTEST = 2.0**-20
 
 # Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
-# and the iterations, residual and time of its undamped attempt; and the end of the first step on another branch, as
-# `numeric.implicit` says, 0 for none.
-ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, PAST = range(11)
+# and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble; and the end of
+# the first step past a singular matrix, as `numeric.implicit` says, 0 for none.
+ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM, PAST = range(12)
 DONE, UNSOLVED, OVERFLOWS, SINGULAR = range(4)
 # How the new state is formed: it is the last stage, or is formed from the moves, or from the slopes.
 LAST, MOVES, SLOPES = range(3)
@@ -311,3 +311,17 @@ def run_steps(
         if report[STATE] != DONE:
             report[STEP] = i
             return
+
+
+def run_ensemble(writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any) -> None:
+    """Take steps first to last - 1 of every column; stop at the first system that fails."""
+    state = writers.zeros(len(y))
+    for column in range(len(y[0])):
+        for k in range(len(y)):
+            state[k] = y[k][column]
+        run_steps(writers, 0.0, state, h, first, last, table, report)
+        if report[STATE] != DONE:
+            report[SYSTEM] = column
+            return
+        for k in range(len(y)):
+            y[k][column] = state[k]

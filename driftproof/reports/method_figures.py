@@ -1,7 +1,8 @@
-"""The picture of a method: its stability region with certified boundary."""
+"""Pictures of a method: stability region with certified boundary, order star, dispersion and dissipation."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -11,41 +12,74 @@ import numpy as np
 from driftproof.methods.schemes import Method
 from driftproof.reports.page.figure import write_picture
 from driftproof.reports.page.markup import element
-from driftproof.reports.page.plot import SQUARE, Plot, linear, place
+from driftproof.reports.page.plot import SQUARE, WIDE, Plot, linear, place
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.symbolic.linear.oscillator import energy_multiplier_of, stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
 
 # Certified points on the boundary: 2 count + 1 values of Re R(z).
 _POINTS = 24
 # Rows and columns of a shaded square: a row is one unit of the picture high, a column half a unit wide.
 _ROWS, _COLUMNS = 264, 528
+# Values of h at which phase and growth are computed.
+_VALUES = 601
 # The boundary of an A-stable method goes to infinity; points farther from 0 than this are not drawn.
 _FARTHEST = 12
+# Lines of the phase picture are cut off at this size; log |R(ih)| is infinite at a zero of R(ih).
+_DEEPEST = 10.0
+
+_Legend = list[tuple[str, str]]
 
 
-def draw_method(method: Method, path: Path) -> Path:
-    """Write the stability region of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
+def draw_method(picture: str, method: Method, path: Path) -> Path:
+    """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
     r = stability_function_of(method)
     if r is None:
         raise ValueError(f"{method.key} has no stability function to draw: it is not a Runge-Kutta method")
-    words, legend = "stability region: |R(z)| <= 1", [("dotted m0", "certified: |R(z)| = 1")]
-    return write_picture(path, method.title, words, f"{method.title}: {words}", [region_of(r)], legend)
+    plot, words, legend = PICTURES[picture](r)
+    return write_picture(path, method.title, words, f"{method.title}: {words}", [plot], legend)
 
 
-def region_of(r: RationalFunction) -> Plot:
-    """The stability region, shaded, with its certified points."""
+def _region(r: RationalFunction) -> tuple[Plot, str, _Legend]:
     points = np.array([complex(point.z.mid()) for point in boundary_points(r, _POINTS)])
     points = points[np.abs(points) <= _FARTHEST]
     ends = [(part.min(), part.max()) for part in (points.real, points.imag)]
     reach = 0.6 * max(1.0, *(high - low for low, high in ends))
-    middle = [(low + high) / 2 for low, high in ends]
-    (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
-    plot = Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
+    plot = _plane([(low + high) / 2 for low, high in ends], reach)
     _shade(plot, lambda z: np.abs(_values(r, z)) <= 1)
     plot.dots([(z.real, z.imag) for z in points], "dots m0")
-    return plot
+    return plot, "stability region: |R(z)| <= 1", [("dotted m0", "certified: |R(z)| = 1")]
+
+
+def _order_star(r: RationalFunction) -> tuple[Plot, str, _Legend]:
+    plot = _plane([0, 0], 5)
+    _shade(plot, lambda z: np.abs(_values(r, z)) > np.abs(np.exp(z)))
+    return plot, "order star: shaded where |R(z)| > |exp z|", []
+
+
+def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
+    h = np.linspace(0, 3, _VALUES)[1:]
+    with np.errstate(divide="ignore"):
+        growth = np.log(_values(energy_multiplier_of(r), h * h)) / 2
+    dispersion = np.unwrap(np.angle(_values(r, 1j * h))) - h
+    lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
+    every = np.concatenate([*lines, [0.0]])
+    low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
+    plot = Plot(linear(Fraction(0), Fraction(3), "step size h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
+    for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
+        plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
+    legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]
+    return plot, "on q' = v, v' = -q", legend
+
+
+PICTURES = {"region": _region, "order-star": _order_star, "phase": _phase}
+
+
+def _plane(middle: Sequence[float], reach: float) -> Plot:
+    """A plot of the square of the complex plane with this middle, from -reach to reach around it."""
+    (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
+    return Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
 
 
 def _shade(plot: Plot, inside: Any) -> None:

@@ -162,6 +162,7 @@ REFUSED = {
     ("rk4", "--system", "1", "--only", "order"): "unknown fact 'order'; choose from method, system",
     ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` cannot be combined with an order tolerance",
     ("rk4", "--system", "1", "--plot", "x.svg"): "--plot takes one method",
+    ("rk4", "--picture", "phase"): "--picture has no effect without --plot",
     ("rk4", "--at", "1"): "rk4 has no parameter; `at` works only with families",
     ("explicit_order_2", "--at", "0"): "explicit_order_2 is not defined at alpha = 0, a pole of its coefficients",
     ("explicit_order_2", "--at", "alpha"): "value: 'alpha', column 1: 'alpha' is a name",

@@ -14,8 +14,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import engine
-from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, compiled_runner, functions_of, runner
+from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_runner, compiled_runner, runner
 from driftproof.numeric.problems.catalogue import problem_named
 from tests.float_bits import bits
 from tests.looping import exactly, some
@@ -96,7 +95,7 @@ KEPLER = problem_named("kepler").field
 
 
 def test_an_ensemble_of_systems_has_the_bits_of_each_system():
-    """Two blocks and a part of one. In steps from the third: rates read t."""
+    """Two blocks and a part of one; on arrays of NumPy, too. In steps from the third: rates read t."""
     pytest.importorskip("numba")
     forced = VectorField(("y1", "sin(t) - mass * y0"), (("mass", Q(1, 3)),))
     start = np.array([np.linspace(0.4 + k, 1.1, 2 * BLOCK + 17) for k in range(2)])
@@ -104,6 +103,8 @@ def test_an_ensemble_of_systems_has_the_bits_of_each_system():
     compiled_ensemble_runner(METHODS["rk4"], forced)(found, 0.01, 3, 23)
     for member in (0, BLOCK - 1, BLOCK, 2 * BLOCK + 16):
         assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
+    arrays = array_runner(METHODS["rk4"], KEPLER)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
+    assert tuple(x[4] for x in arrays) == runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
 
 
 CHOSEN = VectorField(
@@ -112,11 +113,11 @@ CHOSEN = VectorField(
 
 
 def test_arrays_choose_for_each_member_as_floats_do():
-    start = np.random.default_rng(3).uniform(-1, 1, (2, 40))
-    arrays = field_rate(CHOSEN, functions_of(np))(0.3, start)
+    start, run = np.random.default_rng(3).uniform(-1, 1, (2, 40)), runner(METHODS["rk4"], CHOSEN)
+    arrays = array_runner(METHODS["rk4"], CHOSEN)(tuple(start), 0.1, 3, 9)
     assert len({tuple(column > 0) for column in start.T}) == 4
-    for q, v, *rates in exactly(40, zip(*start.tolist(), *arrays, strict=True)):
-        assert bits(*rates) == bits(*field_rate(CHOSEN)(0.3, (q, v)))
+    for q, v, *ends in exactly(40, zip(*start.tolist(), *arrays, strict=True)):
+        assert bits(*ends) == bits(*run((q, v), 0.1, 3, 9))
 
 
 @pytest.mark.long  # numba compiles

@@ -10,7 +10,11 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import field_loops, loops
 from driftproof.numeric.advance import field_rate, float_start
 from driftproof.numeric.elimination import FULL, Band
-from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
+from driftproof.numeric.implicit import (
+    StageEquationsUnsolved,
+    compiled_implicit_ensemble_runner,
+    implicit_runner,
+)
 from driftproof.numeric.loops import FieldWriters
 from driftproof.numeric.newton import MOST_ITERATIONS, Equations, residual
 from driftproof.numeric.problems.catalogue import PROBLEMS
@@ -35,16 +39,38 @@ def test_compiled_steps_have_the_same_bits_and_count_the_same_evaluations():
     assert errors[0] == errors[1]
 
 
+@pytest.mark.long  # compiling takes ten seconds
+def test_each_system_of_an_ensemble_takes_the_steps_that_it_takes_alone():
+    pytest.importorskip("numba")
+    method, field = METHODS["radau_iia2"], VectorField(("y1", "y0 * y0 * y0 - y1"))
+    starts = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0], [0.75, 0.0], [-0.5, 0.5]]).T.copy()
+    alone = [implicit_runner(method, field)(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
+    compiled_implicit_ensemble_runner(method, field)(starts, 0.125, 2, 9)
+    assert starts.T.tolist() == list(map(list, alone))
+
+
 def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
-    """The field is of this test alone, as is what is kept."""
+    """One system and an ensemble, its failing system named; the field is of this test alone, as is what is kept."""
     monkeypatch.setattr(loops, "compiled_function", lambda function: function)
     method, field = METHODS["radau_iia2"], VectorField(("y1 + t / 8", "y0 * y0 * y0 - y1"))
+    starts, run = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0]]).T.copy(), implicit_runner(method, field)
+    alone = [run(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
     run, on_arrays = implicit_runner(method, field), implicit_runner(method, field, compiled=True)
-    assert run((0.5, 0.25), 0.125, 2, 9) == on_arrays((0.5, 0.25), 0.125, 2, 9)
+    assert run((0.5, 0.25), 0.125, 2, 9) == alone[0]
+    assert on_arrays((0.5, 0.25), 0.125, 2, 9) == alone[0]
     assert run.calls == on_arrays.calls > 2 * 7
     for key in ("gauss2", "lobatto_iiia3", "tr_bdf2"):
         plain, compiled = (implicit_runner(METHODS[key], field, compiled=x) for x in (False, True))
         assert plain((0.5, 0.25), 0.125, 2, 9) == compiled((0.5, 0.25), 0.125, 2, 9)
+    found, run_systems = starts.copy(), compiled_implicit_ensemble_runner(method, field)
+    run_systems(found, 0.125, 2, 9)
+    assert found.T.tolist() == list(map(list, alone))
+    starts[0, 1] = 1e200
+    with pytest.raises(StageEquationsUnsolved, match=r"radau_iia2: system 1: the step "), np.errstate(all="ignore"):
+        run_systems(starts, 0.125, 2, 9)
+    assert starts.T.tolist()[0] == list(alone[0])
+    with pytest.raises(ValueError, match="an ensemble is a C-contiguous float64 array with 2 rows"):
+        run_systems(starts[:1], 0.125, 2, 9)
 
 
 @pytest.mark.parametrize("key", ["radau_iia3", "sdirk2", "trapezoid"])

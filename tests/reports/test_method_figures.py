@@ -2,20 +2,21 @@
 
 import re
 from dataclasses import replace
-from math import hypot, sqrt
+from math import atan, exp, hypot, log, sqrt
 from xml.etree import ElementTree
 
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.reports.method_figures import draw_method, region_of
+from driftproof.reports.method_figures import PICTURES, draw_method
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
 from tests.looping import exactly, some
 
 
-def test_picture_is_whole_and_the_same_bytes_each_time(tmp_path):
-    first, second = (draw_method(METHODS["rk4"], tmp_path / name).read_bytes() for name in ("1.svg", "2.svg"))
+@pytest.mark.parametrize("kind", PICTURES)
+def test_picture_is_whole_and_the_same_bytes_each_time(kind, tmp_path):
+    first, second = (draw_method(kind, METHODS["rk4"], tmp_path / name).read_bytes() for name in ("1.svg", "2.svg"))
     assert first == second
     assert ElementTree.fromstring(first).tag.endswith("svg")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["1.svg", "2.svg"]
@@ -23,14 +24,14 @@ def test_picture_is_whole_and_the_same_bytes_each_time(tmp_path):
 
 def test_splitting_has_no_picture_and_no_file_is_left(tmp_path):
     with pytest.raises(ValueError, match="symplectic_euler has no stability function to draw"):
-        draw_method(METHODS["symplectic_euler"], tmp_path / "x.svg")
+        draw_method("region", METHODS["symplectic_euler"], tmp_path / "x.svg")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_name_of_a_picture_says_its_kind(tmp_path):
     with pytest.raises(ValueError, match=r"x\.png: a picture must be a \.svg file"):
-        draw_method(METHODS["rk4"], tmp_path / "x.png")
-    assert draw_method(METHODS["rk4"], tmp_path / "x.SVG").stat().st_size > 1000
+        draw_method("phase", METHODS["rk4"], tmp_path / "x.png")
+    assert draw_method("phase", METHODS["rk4"], tmp_path / "x.SVG").stat().st_size > 1000
 
 
 def strokes(path):
@@ -43,7 +44,7 @@ def test_what_is_shaded_is_the_inside_of_the_region(tmp_path):
 
     A column is half a unit wide, and shaded from the first one inside to the last.
     """
-    unit, middle, path = 264 / 2.4, 52 + 132, draw_method(METHODS["forward_euler"], tmp_path / "1.svg")
+    unit, middle, path = 264 / 2.4, 52 + 132, draw_method("region", METHODS["forward_euler"], tmp_path / "1.svg")
     seen = strokes(path)
     assert (len(seen), len({y for _, y, _ in seen})) == (pytest.approx(2 * unit, abs=1),) * 2
     for left, y, right in some(x for x in seen if abs(x[1] - 26 - 132) < 100):
@@ -54,12 +55,43 @@ def test_what_is_shaded_is_the_inside_of_the_region(tmp_path):
         assert hypot(float(x) - middle, float(y) - 26 - 132) == pytest.approx(unit, abs=0.02)
 
 
-def test_a_picture_is_no_smaller_than_one_and_no_farther_than_twelve():
-    """|1 + z + 100 z²| <= 1 is small; Gauss's region ends at an axis."""
-    own = replace(METHODS["rk4"], a=((0, 0), (100, 0)), b=(0, 1), c=(0, 100))
-    small = region_of(stability_function_of(own)).y.scale
+def test_order_star_is_where_the_step_is_longer_than_the_exponential(tmp_path):
+    larger = lambda x, y: abs(1 + x + 1j * y) > exp(x)
+    at = lambda left, y: ((left - 52 - 132) / 26.4, (26 + 132 - y) / 26.4)
+    seen = strokes(draw_method("order-star", METHODS["forward_euler"], tmp_path / "2.svg"))
+    assert (min(left for left, _, _ in seen), len({y for _, y, _ in seen})) == (52, 264)
+    for left, y, right in some(seen):
+        assert larger(*at(left, y))
+        assert larger(*at(right, y))
+        assert right > 52 + 264 - 1 or not larger(*at(right + 1, y))
+        assert left < 53 or not larger(*at(left - 1, y))
+
+
+def picture(kind, method):
+    return PICTURES[kind](stability_function_of(method))[0]
+
+
+def test_phase_and_growth_are_those_of_the_step():
+    """Forward Euler's R(ih) = 1 + ih turns by atan h and is sqrt(1 + h²) long; up to h = 3, in 600 steps."""
+    plot = picture("phase", METHODS["forward_euler"])
+    low, high = plot.y.scale.low, plot.y.scale.high
+    assert (low, high) == (pytest.approx(atan(3) - 3 - 0.05, abs=1e-3), pytest.approx(log(10) / 2 + 0.05, abs=1e-3))
+    curves = {"m3": lambda h: atan(h) - h, "m0": lambda h: log(1 + h * h) / 2}
+    for name, path in exactly(2, re.findall('class="path (.*?)" d="M(.*?)"', "".join(plot.drawn))):
+        places = [tuple(map(float, place.split())) for place in path.split("L")]
+        h = [i / 200 for i in range(1, 601)]
+        assert [x for x, _ in places] == pytest.approx([52 + 346 * x / 3 for x in h], abs=0.006)
+        assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curves[name](x))) for x in h], abs=0.006)
+
+
+def test_a_picture_is_no_deeper_than_ten_no_smaller_than_one_and_no_farther_than_twelve():
+    """R = 1 + z + z² + z³ is 0 at i; |1 + z + 100 z²| <= 1 is small; Gauss's region ends at an axis."""
+    own = lambda a, *weights: replace(METHODS["rk4"], a=a, b=weights, c=tuple(map(sum, a)))
+    deep = picture("phase", own(((0, 0, 0), (1, 0, 0), (0, 1, 0)), 0, 0, 1)).y.scale
+    assert float(deep.low) == pytest.approx(-10.05, abs=1e-3)
+    small = picture("region", own(((0, 0), (100, 0)), 0, 1)).y.scale
     assert float(small.high - small.low) == pytest.approx(1.2)
     r = stability_function_of(METHODS["gauss2"])
     points = [abs(complex(point.z.mid())) for point in boundary_points(r, 24)]
-    assert float(region_of(r).y.scale.high) == 1.2 * max(x for x in points if x < 12)
+    assert float(picture("region", METHODS["gauss2"]).y.scale.high) == 1.2 * max(x for x in points if x < 12)
     assert 11 < max(x for x in points if x < 12) < 12 < min(x for x in points if x > 12) < 13

@@ -14,7 +14,8 @@ import numpy as np
 
 from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
-from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner
+from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
+from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
 
@@ -61,6 +62,11 @@ def has_numba() -> bool:
     return find_spec("numba") is not None
 
 
+def kinds_of_trajectories() -> tuple[str, ...]:
+    """The kinds in which one trajectory can be timed here, the fastest last."""
+    return (PYTHON, COMPILED) if has_numba() else (PYTHON,)
+
+
 def integrator(method: Entry, problem: Problem, *, compiled: bool = False) -> Integrator:
     """The method as it runs on the problem; `compiled` adds numba's runs, which give the errors of explicit methods.
 
@@ -105,12 +111,17 @@ def steps_at_known_times(problem: Problem, steps: int) -> dict[int, Fraction]:
 
 def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
-    if isinstance(method, FurtherMethod) or not method.explicit:
-        return "implicit, multistep and Rosenbrock methods are only timed for one trajectory"
+    if isinstance(method, FurtherMethod):
+        return "multistep and Rosenbrock methods are only timed for one trajectory"
     start = np.array(float_start(problem))[:, None]
-    if not fast:
-        return "ensembles are only timed compiled"
-    run = compiled_ensemble_runner(method, problem.field)
+    run: EnsembleRun
+    if fast:
+        compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
+        run = compiled(method, problem.field)
+    elif method.explicit:
+        run = _on_arrays(array_runner(method, problem.field))
+    else:
+        return "implicit methods are only timed compiled"
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), float_step(problem.t, steps)
@@ -123,3 +134,11 @@ def _ensemble(method: Entry, problem: Problem, *, fast: bool) -> TimedCall | str
         return integrate
 
     return call
+
+
+def _on_arrays(step: Run) -> EnsembleRun:
+    def run(y: FloatArray, h: float, first: int, last: int) -> None:
+        with np.errstate(all="ignore"):
+            y[:] = step(tuple(y), h, first, last)
+
+    return run

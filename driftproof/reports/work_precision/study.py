@@ -159,7 +159,7 @@ def _controlled(method: Entry, study: Study) -> _Contestant:
     """The method with step-size control. Raises MethodError."""
     solvers: dict[str, Callable[[], Solver]] = {
         kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == integrators.COMPILED))
-        for kind in (integrators.PYTHON, integrators.COMPILED)[: 1 + integrators.has_numba()]
+        for kind in integrators.kinds_of_trajectories()
     }
     for solver in solvers.values():
         solver()

@@ -66,12 +66,13 @@ def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path):
     measured = measure(asked, None, unheard)
     drawn = draw_study(asked, measured, "state", tmp_path)
     shown, before = texts(drawn), drawn.read_bytes()
-    assert {"evaluations of f", "seconds, Python", "rounding of the exact result", asked.problem.title} <= set(shown)
+    named = ("evaluations of f", "seconds, Python", "seconds per state, ensemble")
+    assert {*named, "rounding of the exact result", asked.problem.title} <= set(shown)
     assert {curve.title for curve in measured.curves.values()} <= set(shown)
     assert "seconds, compiled" not in shown
     assert draw_study(asked, measured, "state", tmp_path).read_bytes() == before
     size = ElementTree.parse(drawn).getroot().get("viewBox", "").split()
-    assert float(size[2]) == 2 * float(WIDE[0][1] + 16)  # two in a row
+    assert float(size[2]) == 2 * float(WIDE[0][1] + 16)  # two in a row, and a third below
 
 
 def test_the_ninth_curve_is_the_first_again_broader_and_many_have_no_thin_lines(tmp_path):

@@ -94,7 +94,7 @@ def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(mon
     found = measure(study("rk4", peers=(Peer("willing", ("solver",), "python", Willing),)), None, unheard)
     errors = 2 * len(HARMONIC.reference.times)
     assert asked[errors : errors + 2] == [1e-3, 1e-3]
-    assert set(found.warm_up) == {"rk4 | python", "willing solver | python"}
+    assert set(found.warm_up) == {"rk4 | python", "rk4 | ensemble", "willing solver | python"}
 
 
 def test_peers_that_are_absent_are_named(monkeypatch):

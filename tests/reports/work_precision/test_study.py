@@ -171,8 +171,9 @@ def test_what_a_point_takes_is_guessed_from_the_one_before(monkeypatch):
     monkeypatch.setattr(work_precision, "_warm_up", lambda *_: 0.02)
     monkeypatch.setattr(work_precision, "started", lambda call: (Timing(1, [0.0]), next(taken)))
     found = measure(study("rk4", limit=0.05), None, unheard)
-    remarks = [found.timings[f"rk4 | python | {steps}"].remark for steps in (8, 16, 32, 64)]
-    assert remarks == ["", "", "about 0.06 s, over 0.05 s", "about 0.12 s, over 0.05 s"]
+    for kind in ("python", "ensemble"):
+        remarks = [found.timings[f"rk4 | {kind} | {steps}"].remark for steps in (8, 16, 32, 64)]
+        assert remarks == ["", "", "about 0.06 s, over 0.05 s", "about 0.12 s, over 0.05 s"]
 
 
 def test_methods_that_tell_their_error_also_choose_their_steps():
