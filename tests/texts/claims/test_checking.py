@@ -66,8 +66,8 @@ FOUND = [
     ("h < 2, its", "count = 2", "h < 2, its\nh <= 2, its", [(2, 1, "h < 2, its", "h <= 2, it")]),
     # The place that comes closest is looked for among the first 2000.
     *(
-        (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34")])
-        for before, line in ((1999, 2000), (2000, 1))
+        (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34"), *more])
+        for before, line, more in ((1999, 2000, ()), (2000, 1, [(1, 15, "5", "6")]))
     ),
 ]
 
