@@ -342,11 +342,11 @@ class LookAlikes(NamedPlaces):
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
         near += f" | {self.tables.column_of(number)}"
-        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        stand = {name for name, said in self._all_names.items() if said.search(near)}
         single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
         if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
             said = " ".join(sentence_around(self._lower, number.start, number.end))
-            single = {name for name in stand if not re.search(rf"(?<![a-z]){name}", said)}
+            single = {name for name in stand if not self._all_names[name].search(said)}
         spoken, line = methods_named(near), self._on_line_of(number)
         return {
             known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
@@ -356,8 +356,8 @@ class LookAlikes(NamedPlaces):
         }
 
     @cached_property
-    def _all_names(self) -> set[str]:
-        return {name for known in self.values.known for name in known.names}
+    def _all_names(self) -> dict[str, re.Pattern[str]]:
+        return {name: re.compile(rf"(?<![a-z]){name}") for known in self.values.known for name in known.names}
 
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""

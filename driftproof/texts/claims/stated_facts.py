@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import isqrt
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ from driftproof.texts.claims.contradictions import (
     flat,
     last_methods_named,
     methods_named,
+    name_before,
     names_in_order,
     spoken_names,
 )
@@ -151,22 +152,22 @@ def fact_said(
         return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None
     if count := _count_said(before, after, steps):
         return count
-    if (reach := _behind_name(_REACHES).search(flat(before))) and not _UNIT.match(after):
+    if (reach := name_before(flat(before), _REACHES)) and not _UNIT.match(after):
         axis, angle = next((x.groups() for x in reversed([*_AXIS.finditer(far)])), (None, None))
         in_degrees = after.lstrip("^{ ")[:1] == "°"
         if (angle if in_degrees else axis) is not None:
-            return fact_of("angle" if in_degrees else f"{axis}_limit", _own_name(reach[1]))
+            return fact_of("angle" if in_degrees else f"{axis}_limit", _own_name(reach))
     before = re.sub(r"\b[\w-]+ stages? (?:per step )?and(?= order)", "", before)
     if OF_SOMETHING_ELSE.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
         return fact_of("limit_at_infinity", own or last_methods_named(before))
     has = r"(?::|,| has| is| have)?(?: (?:a|the|\w+'s)(?: \w+)? method)?(?: (?:of|the|a))*"
-    found = _behind_name(rf"{has} +order (?:is |= ?)?").search(re.sub('["“”]', "", flat(before)))
+    found = name_before(re.sub('["“”]', "", flat(before)), rf"{has} +order (?:is |= ?)?")
     if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
         return fact_of("order", own)
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
-    return fact_of("order", _own_name(found[1])) if found and only else None
+    return fact_of("order", _own_name(found)) if found and only else None
 
 
 def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str | None = None) -> str | None:
@@ -181,10 +182,10 @@ def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str 
 def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
     """The stages or evaluations of a method behind whose name the number stands; the latter in each step, or in all."""
     unit = _UNIT.match(after)
-    name = _behind_name(_VERBS).search(re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", flat(before)))
+    name = name_before(re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", flat(before)), _VERBS)
     if unit and unit[1]:
-        return fact_of("stages", _own_name(name[1])) if name else None
-    named = {key: METHODS.get(key) for key in (_own_name(name[1]) if name else ())}
+        return fact_of("stages", _own_name(name)) if name else None
+    named = {key: METHODS.get(key) for key in (_own_name(name) if name else ())}
     schemes = {key: scheme for key, scheme in named.items() if getattr(scheme, "explicit", True)}
     if _OF_STEPS.match(after) or re.match(r"[^.;,]*\bwith\b", after):  # the latter of an estimate of the error
         return None
@@ -200,13 +201,6 @@ def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
 def _own_name(name: str) -> set[str]:
     """The methods that a name means; "a Runge-Kutta method of order two" is of a family."""
     return set() if re.fullmatch(r"(?:explicit )?runge[- ]kutta(?: method)?", name) else methods_named(name)
-
-
-@cache
-def _behind_name(words: str) -> re.Pattern[str]:
-    """A pattern of one method, its group 1, with these words behind its name, up to the end."""
-    names = spoken_names().pattern
-    return re.compile(rf"({names})(?:'s)?(?: (?:method|rule|scheme))?(?: \((?:{names})\))?{words}\Z")
 
 
 def fact_of(fact: str, methods: Iterable[str]) -> str | None:

@@ -7,14 +7,24 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
-from functools import cache
 
-from driftproof.texts.claims.contradictions import flat, last_methods_named, methods_named, names_in_order, spoken_names
+from driftproof.texts.claims.contradictions import (
+    flat,
+    last_methods_named,
+    methods_named,
+    name_before,
+    names_in_order,
+    spoken_names,
+)
 from driftproof.texts.claims.places import COMPARED, PAIR, asked_quantity, asked_settings, runs_asked
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.
 _OF_PART = re.compile(r"\b(?:errors?|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b")
+_IS_OF = r" (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? "
+_CALLED = (
+    r" order (?:accurate |explicit |implicit )*(?:(?:adams \w+|runge kutta|bdf)(?: method| scheme| formula)? \(?)?"
+)
 _ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| method| scheme| integrator)")
 # Before a step that gets smaller, or larger; and the step sizes from one to another.
 _GETS = {
@@ -52,9 +62,9 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     if after.startswith(" order"):
         if _OF_PART.search(before) or IN_DOUBT.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
             return None
-        found = _patterns()["is"].search(before) if _ENDS_ORDER.match(after) else None
-        found = found or (_patterns()["called"].match(after) if adjective else None)
-        return fact_of("order", methods_named(found[1])) if found else None
+        name = name_before(before, _IS_OF) if _ENDS_ORDER.match(after) else None
+        name = name or (_name_behind(after, _CALLED) if adjective else None)
+        return fact_of("order", methods_named(name)) if name else None
     if found := re.search(r"\bstable (?:for|at|with) \Z", before):
         only = re.match(r" (?:h|(?:time )?step ?sizes?)(?= at all|[,;:)]|\.? ?\Z| and | but | > 0)", after)
         return limit_of_steps(last_methods_named(before[: found.start()]), equation, "h") if only else None
@@ -62,25 +72,20 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     if len(smaller) != 1 or _STEP_GIVEN.search(before + after):
         return None
     if word in _POWERS_OF_TWO:
-        found = _patterns()["error of"].search(before) if re.match(" times (?!.*than)", after) else None
-        order = fact_of("order", methods_named(found[1])) if found else None
-        return f"power(2, {order})" if order else None
-    found = _patterns()["of"].match(after)
-    order = fact_of("order", methods_named(found[1])) if found else None
-    return (f"1/power(2, {order})" if smaller == [-1] else f"power(2, {order})") if order else None
+        of_error = re.search(r"\b(?:errors?|that) of (?:the )?\S+(?: \S+){0,4} \Z", before)
+        name = name_before(before, " (?:is |becomes )?") if of_error and re.match(" times (?!.*than)", after) else None
+    else:
+        name = _name_behind(after, " the errors? of (?:the )?")
+    order = fact_of("order", methods_named(name)) if name else None
+    inverse = "1/" * (smaller == [-1] and word not in _POWERS_OF_TWO)
+    return f"{inverse}power(2, {order})" if order else None
 
 
-@cache
-def _patterns() -> dict[str, re.Pattern[str]]:
-    """Where a method stands: before "is of", behind an order, behind the error of, and with it before a number."""
-    name = rf"(?:the )?({spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?"
-    family = r"(?:(?:adams \w+|runge kutta|bdf)(?: method| scheme| formula)? \(?)?"
-    return {
-        "is": re.compile(rf"{name} (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? \Z"),
-        "called": re.compile(rf" order (?:accurate |explicit |implicit )*{family}({spoken_names().pattern})"),
-        "of": re.compile(rf" the errors? of {name}"),
-        "error of": re.compile(rf"\b(?:errors?|that) of {name} (?:is |becomes )?\Z"),
-    }
+def _name_behind(after: str, words: str) -> str | None:
+    """The name of a method behind these words, with which the rest of a sentence begins."""
+    said = re.match(words, after)
+    name = spoken_names().match(after, said.end()) if said else None
+    return name[0] if name else None
 
 
 def gap_to_number(before: str, after: str) -> bool:
