@@ -284,8 +284,10 @@ def test_what_is_wrong_is_reported_where_it_was_changed(old, new, line, found):
     assert (findings[0].line, findings[0].found) == (line, found)
 
 
-def test_a_wrong_number_of_several_is_named_with_its_question():
+def test_the_wrong_numbers_of_several_are_named_with_their_questions():
     values = 'values = { a = { ask = "order rk4" }, b = { ask = "order heun2" } }'
     (one,) = parse_claims(f'[[claim]]\nid = "| {{a}} | {{b}} |"\nphrase = "| {{a}} | {{b}} |"\n{values}').claims
     (finding,) = check_claim(document_of("| 4 | 3 |"), one, one.spellings()).findings
     assert finding.message == "expected 2, found 3 for order heun2"
+    both = check_claim(document_of("| 5 | 3 |"), one, one.spellings()).findings
+    assert [x.message for x in both] == ["expected 4, found 5 for order rk4", finding.message]
