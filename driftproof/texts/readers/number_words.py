@@ -158,14 +158,6 @@ def words_said_in(text: str) -> list[TextWord]:
     return sorted(TextWord(*match.span(), match[0]) for match in found)
 
 
-def whole_number(text: str) -> int:
-    """The number below a hundred that the words stand for. Raises ValueError for other words."""
-    tens, _, ones = text.lower().replace(" ", "-").partition("-")
-    if tens in _TENS and (not ones or ones in _SMALL[1:10]):
-        return 10 * (_TENS.index(tens) + 2) + (_SMALL.index(ones) if ones else 0)
-    return _SMALL.index(text.lower())
-
-
 def _cardinal(n: int) -> str:
     if n < 20:
         return _SMALL[n]
