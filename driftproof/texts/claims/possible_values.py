@@ -42,8 +42,9 @@ _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 
 _LONGEST_RUN = 10_000
 # Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
 EFFORT = 1 / 20
-# Bits of precision: enough for the digits of any number of a text, and for what the author asks of some hundred steps.
-_MOST_BITS, _MOST_BITS_ASKED = 256, 2048
+# Bits of precision: enough for the digits of any number of a text; for what the author asks, of some hundred steps.
+_MOST_BITS = 256
+_MOST_BITS_ASKED = 8 * _MOST_BITS
 # The question for a value as a percentage.
 SHARE = "percent({}, 1)"
 # The oscillator of the lesson, as a question states it.
