@@ -37,7 +37,7 @@ def value_command(options: Namespace) -> str:
       run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1
       run AB2 started=rk4 y'=-y y(0)=1 h=1/4 t=1 : READOUT     a multistep method; its first values, or started=exact
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
-      + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   of all of these; ratio(a, b) = |a|/|b|, percent(a, b)
+      + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   of all of these; ratio(a, b) = |a|/|b|, percent, power
     METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
     y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
     Give two of h, t and N (or steps) for a run. The default start is 1,0. phase_error may end in deg, rad or turns.

@@ -131,7 +131,10 @@ def _of_other_column(document: Document, claim: Claim, match: re.Match[str]) -> 
 
 
 def places_of(document: Document, claim: Claim, number: str) -> list[int]:
-    """The places where the phrase of a claim without values has this number, whatever its others are."""
+    """The places where the phrase of a claim without values has this number, whatever its others are, or this word."""
+    if number[0].isalpha():
+        places = claim.phrase.exact({}).finditer(document.text.text)
+        return [one.start() + at.start() for one in places for at in re.finditer(rf"\b{number}\b", one[0])]
     shape, numbers = claim.phrase.shape({})
     found = _at_address(document, claim, re.compile(f"(?={shape.pattern})", shape.flags))
     return [one.start(i) for one in found for i, x in enumerate(numbers, 1) if x == one[i] == number]
@@ -181,8 +184,8 @@ def _missing(
         near = [one for one in found if one.start() not in known and _is_under(document, claim, one.start(1))]
         near.sort(key=distance)
         if near:
-            nearest = near[: min(missing, _MOST_FINDINGS)]
-            yield from (_difference(document, claim, expected, match, spellings) for match in nearest)
+            for match in near[: min(missing, _MOST_FINDINGS)]:
+                yield from _differences(document, claim, expected, match, spellings)
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
@@ -215,18 +218,19 @@ def _digits_and_power(number: str) -> str:
     return number
 
 
-def _difference(
+def _differences(
     document: Document, claim: Claim, expected: list[str], match: re.Match[str], spellings: Spellings
-) -> Finding:
-    """The first number that differs, with its question where the claim is called by its phrase."""
+) -> Iterator[Finding]:
+    """The numbers that differ, each with its question where the claim is called by its phrase."""
     wrong = [(i, *pair) for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if pair[0] != pair[1]]
-    i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
-    if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
-        right = [*decimal_spellings(right), right][1]
-    names = [name for name in claim.phrase.names if spellings[name][0] == expected[i - 1]]
-    asked = claim.values[names[0]].question if len(names) == 1 < len(claim.phrase.names) else None
-    of = f" for {asked}" if asked and "{" in claim.id else ""
-    return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}{of}")
+    for i, right, found in [one for one in wrong if not spelled_alike(*one[1:])] or wrong[:1]:
+        if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
+            right = [*decimal_spellings(right), right][1]
+        names = [name for name in claim.phrase.names if spellings[name][0] == expected[i - 1]]
+        asked = claim.values[names[0]].question if len(names) == 1 < len(claim.phrase.names) else None
+        of = f" for {asked}" if asked and "{" in claim.id else ""
+        place = document.position(match.start(i))
+        yield Finding(claim.id, *place, right, found, f"expected {right}, found {found}{of}")
 
 
 def _is_under(document: Document, claim: Claim, start: int) -> bool:

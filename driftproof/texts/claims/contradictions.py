@@ -313,6 +313,17 @@ def lowered(text: str, questions: Iterable[str]) -> str:
     return without_starters(lower) if any(" started=" in one for one in questions) else lower
 
 
+def name_before(text: str, words: str) -> str | None:
+    """The last name of a method in the lower-case text, if only these words stand behind it.
+
+    >>> name_before("so heun's method is ", " (?:is|has) ")
+    'heun'
+    """
+    last = next(reversed([*spoken_names().finditer(text)]), None)
+    behind = rf"(?:'s)?(?: (?:method|rule|scheme))?\)?{words}"
+    return last[0] if last and re.fullmatch(behind, text[last.end() :]) else None
+
+
 def begins_with_method(text: str) -> bool:
     """True if the lower-case text begins with the name of a method."""
     return spoken_names().match(flat(text)) is not None

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, starts_said
+from driftproof.texts.claims.contradictions import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
@@ -25,7 +25,7 @@ from driftproof.texts.claims.suggestions import Missed, Suggestions
 from driftproof.texts.claims.tables import Address
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
-from driftproof.texts.readers.number_words import whole_numbers_in
+from driftproof.texts.readers.number_words import words_said_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # A claim with longer questions takes its phrase as its id.
@@ -58,10 +58,10 @@ class Doubt(NamedTuple):
     def place(self, document: Document, uncovered: Iterable[TextNumber]) -> TextNumber | None:
         """The words where they stand now: one of the uncovered numbers, if any in the claim's phrase, or a sentence."""
         flat = document.text.text.replace("\n", " ")
-        if " is " in self.words and self.words in flat:
+        if " " in self.words and self.words in flat:
             return TextNumber(at := flat.index(self.words), at + len(self.words), self.words, None)
-        places = places_of(document, self.claim, self.words) if self.claim and not self.words[0].isalpha() else None
-        words = [TextNumber(*word, None) for word in whole_numbers_in(document.text.text)]
+        places = places_of(document, self.claim, self.words) if self.claim else None
+        words = [TextNumber(*word, None) for word in words_said_in(document.text.text)]
         found = [x for x in (*uncovered, *words) if x.text == self.words and (places is None or x.start in places)]
         return min(found, key=lambda x: abs(document.position(x.start).line - self.line), default=None)
 
@@ -92,8 +92,15 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
         drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
         without_numbers = {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}
-        starts = any(" started=" in one for one in suggestions.values.stated)
-        drafted += _given(text, without_numbers | ({*starts_said(text.lower())} if starts else set()), ids)
+        held = {by for one in members if one.strong for by in re.findall(r" started=(\w+)", one.alike[0].question)}
+        starts = {*starts_said(text.lower())} if any(" started=" in x for x in suggestions.values.stated) else set()
+        prose = {span for span in starts if span[0] not in code}
+        said = chain.from_iterable(starters_said(text[slice(*span)].lower()) for span in prose)
+        others = prose if held and held.isdisjoint(said) else set[Span]()
+        for start, end in sorted(others):
+            words, at = as_phrase(text[start:end].strip()), document.position(start).line
+            drafted.append(f"# line {at}: {words} {SLIP} what starts the values held is {', '.join(sorted(held))}\n")
+        drafted += _given(text, without_numbers | (starts - others), ids)
     drafted += _properties(document, ids)
     grouped = [of_one_method(group) for group in groups(text, members, fences)]
     questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
@@ -109,13 +116,13 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
         claim = f"# {place}: no phrase can be drafted for {first.text}\n"
-        said = " ".join((phrase, *address[:2], *address.columns))
-        methods = _methods(group, said, suggestions) if len(stands) == 1 else []
+        there = " ".join((phrase, *address[:2], *address.columns))
+        methods = _methods(group, there, suggestions) if len(stands) == 1 else []
         drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
-    for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
+    for guessed, why in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
-        drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
+        drafted += [f"# Asked for with --ask, {why}:\n{''.join(lines)}"] * bool(lines)
     for why, those in suggestions.values.not_asked.items():
         drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
     if inputs:
@@ -214,7 +221,7 @@ def _entry(name: str, ids: Counter[str], phrase: str, count: int) -> list[str]:
 def _asked_line(document: Document, missed: Missed) -> str:
     """The line of an asked value without a claim: the value, and at most _MOST_PLACES numbers that may mean it."""
     question, answer, slips, vague = missed
-    shown = "of which no digit is certain"  # such as log2 of the ratio of two equal errors
+    shown = "whose digits take more bits than a draft does"  # such as log2 of the ratio of two equal errors
     with suppress(ValueError):
         shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
     shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")

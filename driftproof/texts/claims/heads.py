@@ -20,7 +20,7 @@ QUANTITY_WORDS = {
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
-    "ratio": r"factor|ratios?|times as|divides",
+    "ratio": r"factors?|ratios?|times as|divides",
     "embedded": r"embedded (?:solution|value|result|formula|method)|companion",
     "estimate": r"estimates?(?: of (?:the|its) error)?|error estimates?",
     "relative_error": r"relative(?: errors?)?",

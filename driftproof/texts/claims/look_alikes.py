@@ -45,7 +45,8 @@ from driftproof.texts.claims.stated_facts import (
     limit_of_steps,
     linear_equations,
 )
-from driftproof.texts.readers.number_words import trend_said, whole_numbers_in
+from driftproof.texts.claims.worded import fact_in_word, gap_to_number, signed_by
+from driftproof.texts.readers.number_words import is_trend, trend_said, words_said_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
@@ -53,6 +54,10 @@ from driftproof.texts.values.published import published_values
 _NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
+# Characters between a number and the word that says what becomes of it, as in "0.2 mV too low".
+_NEAR_WORD = 12
+# Before a number that is set.
+_SET = re.compile(r"(?<!\w)(?:[htnz]|dt|δt|step ?size) ?(?:=|of) ?\Z")
 # A step size or a time in a question.
 _SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 
@@ -140,11 +145,16 @@ class LookAlikes(NamedPlaces):
         ranked = Counter((each.rank, fits[each.question]) for each in here)
         alike = {each.question for each in self.values.written_like(number)}
         exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
+        of_author = [each for each in possible if each.rank == 2 and each.question in alike]
+        is_setting = place.quantity == "chosen" or _SET.search(before)
+        sole_asked = of_author[0] if len(of_author) == 1 and not is_setting else None
         unnamed, either_sign = self._is_of_unnamed_method(number), self._of_either_sign(number)
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(many for (rank, own), many in ranked.items() if rank >= known.rank and own >= fit)
+            own = place.methods if place.own else self.methods_beside(number) if known.keys > place.methods else ()
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
+            denied &= not (asked and known.keys and known.keys <= {*own})
             denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
             denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
             denied |= asked and self._is_of_another_cell(known.question, number)
@@ -161,6 +171,8 @@ class LookAlikes(NamedPlaces):
             elsewhere &= not self._is_exact(known, number)
             only = known.stated and [known] in (stated, wholes)
             telling = len(digits_of(number.text)) if only else digits
+            if known is sole_asked and 0 < fit == known.most:  # whatever zeros at its end; its power is told, too
+                telling = len(digits_of(number.text)) + ("e" in spelled(number))
             likely = known.is_meant(x, telling, fit, rivals) or known is joint
             strong = likely and not denied and not elsewhere
             named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
@@ -186,7 +198,7 @@ class LookAlikes(NamedPlaces):
     def fact_spelled(self, fact: str, form: NumberForm) -> list[str]:
         """What a fact is, spelled in this form; [] for none or a tie."""
         with suppress(ValueError):
-            return form.spellings(answer) if (answer := usual(fact)) and answer.is_number else []
+            return form.spellings(answer) if (answer := usual(fact)) and (answer.is_number or form.spelled) else []
         return []
 
     def _is_unsafe(self, number: TextNumber, fact: str, before: str) -> bool:
@@ -196,6 +208,8 @@ class LookAlikes(NamedPlaces):
 
     def _fact_at(self, number: TextNumber) -> str | None:
         """The fact, as a question, where a column of facts crosses the row of one method, or as in A(73.4°)-stable."""
+        if is_trend(number.text):
+            return self._signed_by(number)
         cell, methods = self.tables.cell_of(number), self._place_of(number).methods
         own = methods if self._place_of(number).own else frozenset[str]()
         observed = self._place_of(number).quantity == "observed_order"
@@ -208,7 +222,9 @@ class LookAlikes(NamedPlaces):
             before, after = self._said_around(number)
             steps = self._place_of(number).steps if SETTING["h"].search(before) else None
             far = self._lower[max(0, number.start - 2 * BESIDE) : number.start]
-            return fact_said(before, after, own, equation, steps, far)
+            said = fact_said(before, after, own, equation, steps, far)
+            word = number.text.lower() if number.is_worded and not said else ""
+            return fact_in_word(word, before, after, equation) if word else said
         if fact == LIMIT_OF_STEPS:
             return limit_of_steps(methods, equation)
         return fact_of(fact, methods) if fact and len(methods) == 1 else None
@@ -298,19 +314,39 @@ class LookAlikes(NamedPlaces):
 
     @cached_property
     def words(self) -> list[TextNumber]:
-        """The whole numbers in words that are said to be facts of methods, such as "four stages"."""
-        words = [TextNumber(*word, None) for word in whole_numbers_in(self.text)]
-        return [x for x in words if not self.tables.row_of(x) and self._fact_at(x)]
+        """The words that say facts of methods, such as "four stages", and what becomes of a value, as in "too low"."""
+        return [x for x in self._words if not self.tables.row_of(x) and self._fact_at(x)]
+
+    @cached_property
+    def _words(self) -> list[TextNumber]:
+        return [TextNumber(*word, None) for word in words_said_in(self.text)]
+
+    def _signed_by(self, word: TextNumber) -> str | None:
+        """The question whose sign a word such as grows, smaller or low says, by that of the number beside it."""
+        before, after = self._said_around(word)
+        at = bisect_left(self._numbers, word.start, key=lambda x: x.start)
+        behind, ahead = self._numbers[at : at + 1], self._numbers[max(at - 1, 0) : at]
+        near = [x for x in behind if gap_to_number("", self._lower[word.end : x.start])]
+        ahead += [x for x in self._words if 0 < word.start - x.end < _NEAR_WORD and not is_trend(x.text)]
+        near += [x for x in ahead if gap_to_number(self._lower[x.end : word.start], "")]
+        if not near:
+            return None
+        alike = [one.question for one in self.look_alikes(near[0])[:1] if one.strong]
+        meant = [x for x in self.values.written_like(near[0]) if x in self._meant_at(near[0])]
+        alike = alike or [x.question for x in meant if x.rank == max(one.rank for one in meant)]
+        far = re.split(r"[.?!]\s|\n\n", self._lower[max(0, word.start - 2 * BESIDE) : word.start])[-1]
+        signs = {signed_by(one, far.removesuffix(before), before, after) for one in alike}
+        return signs.pop() if len(signs) == 1 else None
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
-        near += self.tables.column_of(number)
-        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
+        near += f" | {self.tables.column_of(number)}"
+        stand = {name for name, said in self._all_names.items() if said.search(near)}
         single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
         if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
             said = " ".join(sentence_around(self._lower, number.start, number.end))
-            single = {name for name in stand if not re.search(rf"(?<![a-z]){name}", said)}
+            single = {name for name in stand if not self._all_names[name].search(said)}
         spoken, line = methods_named(near), self._on_line_of(number)
         return {
             known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
@@ -320,8 +356,8 @@ class LookAlikes(NamedPlaces):
         }
 
     @cached_property
-    def _all_names(self) -> set[str]:
-        return {name for known in self.values.known for name in known.names}
+    def _all_names(self) -> dict[str, re.Pattern[str]]:
+        return {name: re.compile(rf"(?<![a-z]){name}") for known in self.values.known for name in known.names}
 
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""

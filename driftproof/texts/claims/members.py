@@ -108,8 +108,8 @@ class Member:
     def remark(self, place: str) -> str:
         """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
         if self.slips:
-            own = self.number.value
-            near = {x: 0 if self.number.is_worded else abs(Fraction(x[1]) - own) for x in self.slips.items()}
+            worded = self.number.is_worded
+            near = {x: 0 if worded else abs(Fraction(x[1]) - self.number.value) for x in self.slips.items()}
             question, slip = min(near, key=lambda one: (near[one], one))
             other = next((one.question for one in self.alike if one.question != question), "")
             also = f"; it looks like {other}" * bool(other)

@@ -9,6 +9,7 @@ from driftproof.texts.claims.contradictions import begins_with_method, methods_n
 from driftproof.texts.claims.members import Group
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
+from driftproof.texts.readers.number_words import words_like
 from driftproof.texts.readers.numbers import numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
@@ -110,8 +111,11 @@ class PhraseSearch:
                 return stands
             if not (parsed.names or parsed.free_numbers_and_words):  # its numbers run together, as in 0.50.5
                 return stands
-            strong = [member.number.text for member in group if member.strong]
-            pattern = parsed.exact({name: [spelled] for name, spelled in zip(placeholders(group), strong, strict=True)})
+            strong = [words_like(member.number.text) for member in group if member.strong]
+            pattern = parsed.exact(dict(zip(placeholders(group), strong, strict=True)))
+            if any(spellings[1:] for spellings in strong):  # other words stand elsewhere
+                stands |= {match.start() + before for match in pattern.finditer(self.text)}
+                return stands
             while (at := self.flat.find(key[1], done)) >= 0:
                 match = pattern.match(self.text, at)
                 stands |= {at + before} if match else set()

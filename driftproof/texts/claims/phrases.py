@@ -39,7 +39,7 @@ ANY_NUMBER = (
     r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
-_ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
+_ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND}|{words.WORD_OF_SENTENCE})|{ANY_NUMBER}"
 # A match must not be a part of a longer number, a product, a power, a range or a percentage.
 _NUMBER_BEGINS = r"(?<![0-9][,'/×·*])(?<![\w.^_√+-])(?<![0-9] [×·*x] )(?<!\bminus )(?<!\bnegative )"
 _UNIT = r"%|‰|(?:per[ \n-]?(?:cent|mille?)|percentage|pp[mb]|hundred|thousand|[mb]illion|trillion)(?!\w)"
@@ -88,8 +88,10 @@ def _in_words(value: Answer, spelled: str) -> list[str]:
     x = value.exact
     if spelled == TREND and x is not None:
         return words.worded_trend(certified_sign(x))
+    if said := words.said_of(value.exact_text or "") * (not isinstance(x, Fraction)):
+        return said
     if isinstance(x, Fraction):
-        return words.worded_number(x)
+        return [*words.worded_number(x), *words.said_of(str(x))]
     raise ValueError("the value is not rational, so it cannot be written in words; add places, digits or exact")
 
 
@@ -118,7 +120,7 @@ def decimal_spellings(decimal: str) -> list[str]:
 def form_of(number: TextNumber, text: str = "") -> NumberForm:
     """The form in which the text writes the number; a whole number is rounded as a percentage or a ratio."""
     if number.is_worded:
-        return NumberForm(spelled=WORDS)
+        return NumberForm(spelled=TREND if words.is_trend(number.text) else WORDS)
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None or (not number.places and text.startswith(("%", " %", " times "), number.end)):
@@ -222,7 +224,7 @@ class Phrase:
     @property
     def free_numbers_and_words(self) -> list[str]:
         """The numbers in the literal texts, labels excluded, and the whole ones in words."""
-        return [*self.free_numbers, *(word.text for text in self.literals for word in words.whole_numbers_in(text))]
+        return [*self.free_numbers, *(word.text for text in self.literals for word in words.words_said_in(text))]
 
     def exact(self, spellings: Spellings) -> re.Pattern[str]:
         """A pattern of the phrase with each value in one of its spellings, captured in a group of its name."""

@@ -84,7 +84,7 @@ _AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
-_PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
+PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
@@ -284,13 +284,15 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "stability"
     compared = () if row else methods_compared(before, after)
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
-    pairs = _PAIR.findall(said_before if not row else row[0].text or row[1].text)
+    pairs = PAIR.findall(said_before if not row else row[0].text or row[1].text)
     if quantity in COMPARED and not compared and pairs:
         settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
     elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:
         settings.pop("h", None)  # which of several is not said
     own = set[str]() if row else methods_said_of(before, after) or of_before
-    if not (own or row or compared) and quantity in COMPARED and not methods_named(before + after):
+    if not (own or row or compared) and quantity in COMPARED and methods_named(before):
+        own = _methods_by_order(before, after, before)
+    elif not (own or row or compared) and quantity in COMPARED and not methods_named(after):
         heads_above = re.findall(r"(?:\A|\n\n|\n(?!\|).*\n)(\|.*)", text[max(0, start - _FARTHEST) : start])
         own = _methods_by_order(before, after, sentence_before(text, start), *heads_above[-1:])
     methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())

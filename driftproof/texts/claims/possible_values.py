@@ -42,8 +42,9 @@ _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 20, 6, 4, 2, 
 _LONGEST_RUN = 10_000
 # Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
 EFFORT = 1 / 20
-# Bits of precision: enough for the digits of any number of a text.
+# Bits of precision: enough for the digits of any number of a text; for what the author asks, of some hundred steps.
 _MOST_BITS = 256
+_MOST_BITS_ASKED = 8 * _MOST_BITS
 # The question for a value as a percentage.
 SHARE = "percent({}, 1)"
 # The oscillator of the lesson, as a question states it.
@@ -252,14 +253,14 @@ class PossibleValues:
         except Refused as refusal:
             self._refused[question] = refusal
             raise
-        x = answer.exact
+        x, most_bits = answer.exact, _MOST_BITS if effort < 1 else _MOST_BITS_ASKED
         if x is None or not callable(x):
             return answer
 
         def ball() -> arb:
             if ctx.prec in balls:  # spelled in a dozen forms, a value is worked out once
                 return balls[ctx.prec]
-            if ctx.prec > _MOST_BITS:
+            if ctx.prec > most_bits:
                 raise Uncertified("a tie")
             if question in self._refused:
                 raise self._refused[question]

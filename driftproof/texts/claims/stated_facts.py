@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import isqrt
 from typing import NamedTuple
 
@@ -22,6 +22,8 @@ from driftproof.texts.claims.contradictions import (
     flat,
     last_methods_named,
     methods_named,
+    name_before,
+    names_in_order,
     spoken_names,
 )
 from driftproof.texts.claims.stated_problems import stated_problems
@@ -29,9 +31,10 @@ from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.number_words import counts_of_steps
 
 # Words near an order that is not the method's own.
-_OF_SOMETHING_ELSE = re.compile(
+OF_SOMETHING_ELSE = re.compile(
     r"\b(?:local\w*|embedded|estimat\w+|phase|dispersi\w+|dissipat\w+|reduc\w+|drops?|observed|linear|nonlinear|stiff|"
-    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for)\b"
+    r"weak|strong|stage|step|interpol\w+|dense|not|no|only|false|myth|true|wrong|energy|at infinity for|"
+    r"extrapolat\w+|compos\w+)\b"
 )
 # Right before a number that bounds step sizes, or h times an eigenvalue; and what happens beyond the bound.
 _BOUND = re.compile(
@@ -70,10 +73,13 @@ _NEAR = 150
 # Property -> the fact of that name.
 _PROPERTIES = {"a-stable": "a_stable", "l-stable": "l_stable", "symplectic": "symplectic", "symmetric": "symmetric"}
 # Words before a sentence, or in it, that ask, deny or doubt what it says, and how far before.
-_IN_DOUBT = re.compile(
+IN_DOUBT = re.compile(
     r"\b(?:myth|false|whether|if|unless|claims?|believes?|wrong|say|cannot|nobody|never|neither|nor)\b"
 )
-_FARTHEST = 100
+_FARTHEST = 250
+# Before methods that are no subject, as in "the regions of A and B are", "but not A is"; and that are not both.
+_OF_METHODS = re.compile(r"\b(?:of|for|by|in|with|to|from|on|between|not|than|(?:un)?like)(?: the)? ?\Z")
+_NO_TWO = re.compile(r"\b(?:(?:un)?like|than|instead|compared|whereas|while|but)\b")
 
 
 class Linear(NamedTuple):
@@ -146,22 +152,22 @@ def fact_said(
         return limit_of_steps(methods, equation, bound["scaled"]) if _OF_STABILITY.search(before) else None
     if count := _count_said(before, after, steps):
         return count
-    if (reach := _behind_name(_REACHES).search(flat(before))) and not _UNIT.match(after):
+    if (reach := name_before(flat(before), _REACHES)) and not _UNIT.match(after):
         axis, angle = next((x.groups() for x in reversed([*_AXIS.finditer(far)])), (None, None))
         in_degrees = after.lstrip("^{ ")[:1] == "°"
         if (angle if in_degrees else axis) is not None:
-            return fact_of("angle" if in_degrees else f"{axis}_limit", _own_name(reach[1]))
+            return fact_of("angle" if in_degrees else f"{axis}_limit", _own_name(reach))
     before = re.sub(r"\b[\w-]+ stages? (?:per step )?and(?= order)", "", before)
-    if _OF_SOMETHING_ELSE.search(before) or _OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
+    if OF_SOMETHING_ELSE.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
         return fact_of("limit_at_infinity", own or last_methods_named(before))
-    has = r"(?::|,| has| is| have)?(?: a (?:\w+ )?method)?(?: (?:of|the|a))*"
-    found = _behind_name(rf"{has} +order (?:is |= ?)?").search(flat(before))
+    has = r"(?::|,| has| is| have)?(?: (?:a|the|\w+'s)(?: \w+)? method)?(?: (?:of|the|a))*"
+    found = name_before(re.sub('["“”]', "", flat(before)), rf"{has} +order (?:is |= ?)?")
     if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
         return fact_of("order", own)
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)
-    return fact_of("order", _own_name(found[1])) if found and only else None
+    return fact_of("order", _own_name(found)) if found and only else None
 
 
 def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str | None = None) -> str | None:
@@ -176,10 +182,10 @@ def limit_of_steps(methods: Iterable[str], equation: Linear | None, scaled: str 
 def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
     """The stages or evaluations of a method behind whose name the number stands; the latter in each step, or in all."""
     unit = _UNIT.match(after)
-    name = _behind_name(_VERBS).search(re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", flat(before)))
+    name = name_before(re.sub(r"(?: with| and)? [htn] ?= ?[0-9./]+", "", flat(before)), _VERBS)
     if unit and unit[1]:
-        return fact_of("stages", _own_name(name[1])) if name else None
-    named = {key: METHODS.get(key) for key in (_own_name(name[1]) if name else ())}
+        return fact_of("stages", _own_name(name)) if name else None
+    named = {key: METHODS.get(key) for key in (_own_name(name) if name else ())}
     schemes = {key: scheme for key, scheme in named.items() if getattr(scheme, "explicit", True)}
     if _OF_STEPS.match(after) or re.match(r"[^.;,]*\bwith\b", after):  # the latter of an estimate of the error
         return None
@@ -195,13 +201,6 @@ def _count_said(before: str, after: str, steps: Fraction | None) -> str | None:
 def _own_name(name: str) -> set[str]:
     """The methods that a name means; "a Runge-Kutta method of order two" is of a family."""
     return set() if re.fullmatch(r"(?:explicit )?runge[- ]kutta(?: method)?", name) else methods_named(name)
-
-
-@cache
-def _behind_name(words: str) -> re.Pattern[str]:
-    """A pattern of one method, its group 1, with these words behind its name, up to the end."""
-    names = spoken_names().pattern
-    return re.compile(rf"({names})(?:'s)?(?: (?:method|rule|scheme))?(?: \((?:{names})\))?{words}\Z")
 
 
 def fact_of(fact: str, methods: Iterable[str]) -> str | None:
@@ -232,19 +231,30 @@ class Said(NamedTuple):
 
 
 def properties_in(text: str) -> Iterator[Said]:
-    """The sentences of a text in canonical spelling that say of one method that it has a property or has it not."""
-    what, of = "|".join(_PROPERTIES), spoken_names().pattern
-    said = rf"(?P<of>{of})(?:'s)?(?: (?:method|rule|scheme))?(?:, [^,.;]{{1,30}},)? is (?P<no>not )?(?P<what>{what})\b"
+    """The sentences of a text in canonical spelling that say of methods that they have a property or have it not.
+
+    They name one method or several, as in "neither A nor B is"; "both are" is said of the two that are named before.
+    """
+    what, of = "|".join(_PROPERTIES), rf"(?:{spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?"
+    said = rf"(?:(?:(?P<none>neither )(?:the )?)?(?P<of>{of}(?:(?:, | and |, and | nor )(?:the )?{of})*)"
+    said += rf"(?:, [^,.;]{{1,30}},)?|(?P<two>both|neither)) (?:is|are)(?: both| also)? (?P<no>not )?(?P<what>{what})\b"
     said += rf"(?: (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?(?! ?\?)"
     lower = text.lower()
     # A hyphen or the end of a line may stand for each blank of a name.
     for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
         before = re.split(r"[.?!]\s|\n\n", lower[max(0, match.start() - _FARTHEST) : match.start()])[-1]
-        if not _IN_DOUBT.search(before + match[0]):
-            phrase = text[slice(*match.span())].replace("\n", " ")
-            for no, fact in ((x, _PROPERTIES[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
-                answer, found = "no" if match[no] else "yes", dict[str, str | None]()
-                for key in sorted(methods_named(match["of"])):  # of leapfrog, both
+        names = names_in_order(match["of"] or before)
+        none = "neither" in (match["none"] or match["two"] or "")
+        said_of = re.sub("neither|nor" if none else "\n\n", "", match[0])  # what else is in doubt
+        if IN_DOUBT.search(before + said_of) or _OF_METHODS.search(before):
+            continue
+        if match["two"] and (len(names) != 2 or _NO_TWO.search(before)):
+            continue
+        phrase = text[slice(*match.span())].replace("\n", " ")
+        for no, fact in ((x, _PROPERTIES[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
+            for name in names:
+                answer, found = "no" if match[no] or none else "yes", dict[str, str | None]()
+                for key in sorted(methods_named(name)):  # of leapfrog, both
                     with suppress(ValueError):  # a fact that a multistep method has not
                         found[key] = value(f"{fact} {key}").exact_text
                 if {*found.values()} in ({"yes"}, {"no"}):

@@ -21,6 +21,7 @@ from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_setti
 from driftproof.texts.claims.possible_values import SHARE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
+from driftproof.texts.readers.number_words import is_trend, opposite
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
@@ -50,8 +51,9 @@ class Suggestions(LookAlikes):
                 question = shares.get(alike.question, alike.question)
                 if alike.strong:
                     missed.pop(question, None)
-                elif question in missed and (digits_of(number.text)[1:] or missed[question][1].exact == number.value):
-                    missed[question][3].append(number)
+                elif question in missed:
+                    few = not re.search("[.]0.*[1-9]", number.text) and not digits_of(number.text)[1:]
+                    missed[question][3].extend([number] * (not few or missed[question][1].exact == number.value))
             for question in missed.keys() & self.slips(number).keys():
                 missed[question][2].append(number)
         return [*missed.values()]
@@ -65,7 +67,9 @@ class Suggestions(LookAlikes):
         """
         if number.is_worded:
             own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
-            return {fact: own[0]} if fact and own and number.text not in own else {}
+            if fact and not own and not is_trend(number.text):  # for every h, and there is a limit
+                own = self.fact_spelled(fact, NumberForm(digits=4))
+            return {fact: opposite(number.text) or own[0]} if fact and own and number.text not in own else {}
         found, written = dict[str, str](), self.values.written(form_of(number, self.text))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}

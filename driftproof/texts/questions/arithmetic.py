@@ -127,6 +127,13 @@ def _percent(a: Answer, b: Answer) -> Answer:
     return replace(_multiply(Answer("", Fraction(100)), found), unit="%")
 
 
+def _power(a: Answer, b: Answer) -> Answer:
+    """a to the power b. Raises ValueError unless b is rational."""
+    if not isinstance(exponent := _unitless(b), Fraction):
+        raise ValueError("the exponent is not rational")
+    return raised(a, exponent)
+
+
 # Name -> the function and its number of arguments.
 NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (_absolute, 1),
@@ -138,6 +145,7 @@ NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "sin": (lambda a: _entire(a, "sin", 0), 1),
     "ratio": (lambda a, b: _divide(_absolute(a), _absolute(b)), 2),
     "percent": (_percent, 2),
+    "power": (_power, 2),
 }
 
 # Name -> the number.

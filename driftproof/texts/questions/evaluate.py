@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
@@ -184,8 +184,6 @@ def _problem_answer(
 
 def _problem(context: QueryContext) -> ProblemTable:
     """The problem of a query: by name, by its rates or, if it gives none, the oscillator."""
-    from driftproof.enclosure.problem_tables import ProblemTable
-    from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions.problems import problem_of_name
 
     query = context.query
@@ -193,13 +191,21 @@ def _problem(context: QueryContext) -> ProblemTable:
         return problem_of_name(query.problem.text, {name: x.value for name, x in query.parameters.items()})
     if not query.rates:
         return problem_of_name("harmonic_oscillator", {})._replace(unknowns=("q", "v"))
-    names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
-    texts = [rate.text for rate in query.rates]
-    field, energy = field_of_text(texts, names=names), None
-    if query.energy:
-        both = field_of_text([*texts, query.energy.text], names=names)
-        field, energy = replace(field, parameters=both.parameters), both.rates[-1]
-    return ProblemTable(field, (), energy, query.unknowns)
+    return _stated(tuple(x.text for x in query.rates), query.energy.text if query.energy else None, query.unknowns)
+
+
+@lru_cache(maxsize=256)
+def _stated(rates: tuple[str, ...], energy: str | None, unknowns: tuple[str, ...]) -> ProblemTable:
+    """The problem of rates that are written out; hundreds of questions of a text are about the same."""
+    from driftproof.enclosure.problem_tables import ProblemTable
+    from driftproof.methods.field_text import field_of_text
+
+    names = {name: f"y{i}" for i, name in enumerate(unknowns)}
+    field = field_of_text(rates, names=names)
+    if energy is None:
+        return ProblemTable(field, (), None, unknowns)
+    both = field_of_text([*rates, energy], names=names)
+    return ProblemTable(replace(field, parameters=both.parameters), (), both.rates[-1], unknowns)
 
 
 @cache

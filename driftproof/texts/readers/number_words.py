@@ -1,9 +1,10 @@
-"""Numbers and trends in words, such as "sixteen", "a third", "twice" or "grows": writing and finding them."""
+"""Numbers and trends in words, such as "sixteen", "a third", "second order" or "grows": writing and finding them."""
 
 from __future__ import annotations
 
 import re
 from fractions import Fraction
+from itertools import chain
 from typing import NamedTuple
 
 _NAMES = (
@@ -14,7 +15,7 @@ _NAMES = (
 _SMALL, _TENS = map(str.split, _NAMES)
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
-# Sign of a change -> the words for it, the plainest first.
+# Sign of a change -> the words for it, the plainest first, and of a difference, behind "times" or "too".
 _TRENDS = {
     1: "grows grow grew grown growing increases increase increased increasing rises rise rose risen rising gains gain "
     "gained",
@@ -22,16 +23,30 @@ _TRENDS = {
     "loses lose lost losing decays decayed drops dropped",
     0: "stays stay stayed staying keeps keep kept keeping",
 }
+_COMPARED = {1: "larger greater higher high large multiplies", -1: "smaller less lower low small divides", 0: ""}
+# Number, or "oo" -> what only its sentence makes a number: "of second order", "halves the error", "for every h".
+_IN_SENTENCES = {
+    **{str(n): ordinal for n, ordinal in _PARTS.items() if n not in (2, 4)},
+    **{"0": "no", "1": "first", "2": "second doubles", "4": "fourth quadruples", "1/2": "halves", "1/4": "quarters"},
+    "oo": "every any all",
+}
 _UNIT = "|".join(sorted(_SMALL, key=len, reverse=True))
 _BELOW_HUNDRED = rf"(?:(?:{'|'.join(_TENS)})(?:[- ](?:{'|'.join(_SMALL[1:10])}))?|{_UNIT})"
 _LARGE = rf"(?:hundred|{'|'.join(_SCALES.values())})"
 _WHOLE = rf"(?:{_BELOW_HUNDRED}|an?(?=[- ]{_LARGE}))(?:(?:[- ]{_LARGE})+(?:(?:[- ]and)?[- ]{_BELOW_HUNDRED})?)*"
 _PART = rf"(?:an?|{_UNIT})[- ](?:hal(?:f|ves)|(?:{'|'.join([*_PARTS.values()][1:])})s?)"
 WORDED_NUMBER = rf"(?:{_PART}|{_WHOLE}|half|twice|thrice)"
-WORDED_TREND = rf"(?:{'|'.join(' '.join(_TRENDS.values()).split())})"
+WORDED_TREND = rf"(?:{'|'.join(' '.join((*_TRENDS.values(), *_COMPARED.values())).split())})"
+WORD_OF_SENTENCE = rf"(?:{'|'.join(' '.join(_IN_SENTENCES.values()).split())})"
 _NUMBER = re.compile(rf"\b{WORDED_NUMBER}\b", re.IGNORECASE)
 _WHOLE_NUMBER = re.compile(rf"\b{_BELOW_HUNDRED}\b(?![- ](?:{_LARGE}|hal(?:f|ves)|thirds?|quarters?))", re.IGNORECASE)
 _TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
+_SAID = re.compile(
+    rf"\b{WORD_OF_SENTENCE}(?=(?:[ -]order| the errors?| (?:h|(?:time )?step ?sizes?))\b)"
+    rf"|(?:(?<= times )|(?<= times as )|(?<= too )){WORDED_TREND}\b"
+    r"|\b(?:(?:smaller|larger)(?= by\b)|(?:divides|multiplies)(?= the errors?\b))",
+    re.IGNORECASE,
+)
 _CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\b", re.IGNORECASE)
 # "one" by itself is more often a pronoun; it counts after a word for counting.
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
@@ -93,9 +108,24 @@ def worded_number(x: Fraction) -> list[str]:
     return list(dict.fromkeys(form for word in found for form in (word, word[0].upper() + word[1:])))
 
 
+def said_of(number: str) -> list[str]:
+    """The words that only a sentence makes this number, such as "second" in "of second order", or every of oo."""
+    return [form for word in _IN_SENTENCES.get(number, "").split() for form in (word, word.capitalize())]
+
+
 def worded_trend(sign: int) -> list[str]:
-    """The words for a change of this sign: 1 grows, -1 shrinks, 0 stays."""
-    return [form for word in _TRENDS[sign].split() for form in (word, word.capitalize())]
+    """The words for a change, or a difference, of this sign: 1 grows, -1 shrinks, 0 stays."""
+    return [form for word in f"{_TRENDS[sign]} {_COMPARED[sign]}".split() for form in (word, word.capitalize())]
+
+
+def words_like(text: str) -> list[str]:
+    """The words for a change, or a difference, of the same sign as this one; other texts by themselves."""
+    return next((words for sign in _TRENDS if text in (words := worded_trend(sign))), [text])
+
+
+def is_trend(text: str) -> bool:
+    """True if the whole text is one word for a change or a difference."""
+    return _TREND.fullmatch(text) is not None
 
 
 def trend_said(text: str) -> int:
@@ -104,9 +134,15 @@ def trend_said(text: str) -> int:
     return next((sign for sign, of in _TRENDS.items() if words and words[-1].lower() in of.split()), 0)
 
 
+def opposite(text: str) -> str:
+    """What is said of a difference of the other sign, as low for high; "" for other words."""
+    pairs = [*zip(_COMPARED[1].split(), _COMPARED[-1].split(), strict=True)]
+    return dict((*pairs, *((less, more) for more, less in pairs))).get(text.lower(), "")
+
+
 def is_worded(text: str) -> bool:
     """True if the whole text is one number or one trend in words."""
-    return bool(_NUMBER.fullmatch(text) or _TREND.fullmatch(text))
+    return is_trend(text) or re.fullmatch(rf"{WORDED_NUMBER}|{WORD_OF_SENTENCE}", text, re.IGNORECASE) is not None
 
 
 def words_in(text: str) -> list[TextWord]:
@@ -116,17 +152,10 @@ def words_in(text: str) -> list[TextWord]:
     return sorted(TextWord(*match.span(), match[0]) for match in found)
 
 
-def whole_numbers_in(text: str) -> list[TextWord]:
-    """The whole numbers in words, each "one" among them, in order."""
-    return [TextWord(*match.span(), match[0]) for match in _WHOLE_NUMBER.finditer(text)]
-
-
-def whole_number(text: str) -> int:
-    """The number below a hundred that the words stand for. Raises ValueError for other words."""
-    tens, _, ones = text.lower().replace(" ", "-").partition("-")
-    if tens in _TENS and (not ones or ones in _SMALL[1:10]):
-        return 10 * (_TENS.index(tens) + 2) + (_SMALL.index(ones) if ones else 0)
-    return _SMALL.index(text.lower())
+def words_said_in(text: str) -> list[TextWord]:
+    """The words by which a sentence may say a fact: whole numbers, ordinals, factors and directions, in order."""
+    found = chain.from_iterable(words.finditer(text) for words in (_WHOLE_NUMBER, _CHANGE, _SAID))
+    return sorted(TextWord(*match.span(), match[0]) for match in found)
 
 
 def _cardinal(n: int) -> str:

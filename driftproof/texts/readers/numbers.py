@@ -6,8 +6,6 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from driftproof.texts.readers.number_words import whole_number
-
 # 3.3e-4, 3.3×10^{-4}, 3.3·10^4
 _EXPONENT = r"(?:[eE][-+]?[0-9]++(?!\.?[0-9])| ?[×·] ?10\^(?:\{[-+]?[0-9]+\}|[0-9]))?"
 _WHOLE = r"(?:[1-9][0-9]{0,2}(?:[,'][0-9]{3})++(?![0-9])|[0-9]++)"
@@ -56,9 +54,7 @@ class TextNumber:
 
     @property
     def value(self) -> Fraction:
-        """The value as a fraction. Raises ZeroDivisionError for n/0, ValueError for too many digits."""
-        if self.is_worded:
-            return Fraction(whole_number(self.text))
+        """The value as a fraction. Raises ZeroDivisionError for n/0, ValueError for too many digits and for words."""
         text = re.sub(r" ?[×·] ?10\^\{?([-+]?[0-9]+)\}?", r"e\1", self.text).replace(",", "").replace("'", "")
         exponent = re.search(r"[eE][-+]?0*([0-9]+)", text)
         if len(text) > 1000 or (exponent and len(exponent[1]) > 3):

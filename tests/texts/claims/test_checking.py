@@ -67,8 +67,8 @@ FOUND = [
     ("h < 2, its", "count = 2", "h < 2, its\nh <= 2, its", [(2, 1, "h < 2, its", "h <= 2, it")]),
     # The place that comes closest is looked for among the first 2000.
     *(
-        (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34")])
-        for before, line in ((1999, 2000), (2000, 1))
+        (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34"), *more])
+        for before, line, more in ((1999, 2000, ()), (2000, 1, [(1, 15, "5", "6")]))
     ),
 ]
 
@@ -285,8 +285,10 @@ def test_what_is_wrong_is_reported_where_it_was_changed(old, new, line, found):
     assert (findings[0].line, findings[0].found) == (line, found)
 
 
-def test_a_wrong_number_of_several_is_named_with_its_question():
+def test_the_wrong_numbers_of_several_are_named_with_their_questions():
     values = 'values = { a = { ask = "order rk4" }, b = { ask = "order heun2" } }'
     (one,) = parse_claims(f'[[claim]]\nid = "| {{a}} | {{b}} |"\nphrase = "| {{a}} | {{b}} |"\n{values}').claims
     (finding,) = check_claim(document_of("| 4 | 3 |"), one, one.spellings()).findings
     assert finding.message == "expected 2, found 3 for order heun2"
+    both = check_claim(document_of("| 5 | 3 |"), one, one.spellings()).findings
+    assert [x.message for x in both] == ["expected 4, found 5 for order rk4", finding.message]

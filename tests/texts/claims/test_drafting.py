@@ -74,7 +74,7 @@ def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_me
 def test_an_asked_value_of_which_no_digit_is_certain_is_listed():
     """The logarithm of the ratio of two equal errors, which are known by enclosures."""
     error = "run heun2 y'=-y, y(0)=1, h=1/4, t=1 : error"
-    listed = f"log2(ratio({error}, {error})), of which no digit is certain"
+    listed = f"log2(ratio({error}, {error})), whose digits take more bits than a draft does"
     assert draft(document_of("is 7.25"), "a", [f"log2(ratio({error}, {error}))"]).endswith(listed)
 
 

@@ -59,8 +59,8 @@ def test_a_draft_encloses_a_stated_solution_in_few_steps_and_says_which_it_did_n
     assert sorted(one[-9:] for one in exactly(3, refused)) == ["t=200 : x", "t=200 : y", "t=200 : z"]
 
 
-def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits():
-    for places, count in ((70, 1), (80, 0)):
+def test_number_of_six_hundred_places_is_suggested_and_one_of_seven_hundred_takes_too_many_bits():
+    for places, count in ((600, 1), (700, 0)):
         text = value("exp(1)").places(places)
         assert len(Suggestions(text, ["exp(1)"]).look_alikes(numbers_in(text)[0])) == count
 

@@ -1,5 +1,7 @@
 """Facts of methods in sentences: orders, stages, evaluations, and limits of stability of the equation before them."""
 
+import re
+
 import pytest
 
 from driftproof.texts.claims.stated_facts import (
@@ -11,6 +13,7 @@ from driftproof.texts.claims.stated_facts import (
 )
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
+from tests.looping import exactly
 
 LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04 |\n| Heun | 0.04 |\n"
 
@@ -73,10 +76,27 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         ("It is stable in a sector of half-angle α: BDF3 has 86.03°, BDF4 [51.84]°.", "angle bdf4", "73.35"),
         ("Neither RK4 nor Heun's method has [three] stages.", None, None),
         ("On the imaginary axis RK4 reaches 2.8. BDF4 [51.84] is old.", None, None),
+        ('"Kutta 3" is Kutta\'s method of order [two].', "order kutta3", "three"),
+        ("Heun's method is of [third] order.", "order heun2", "two"),
+        ("Use the [third]-order Adams-Bashforth method AB2.", "order adams_bashforth2", "two"),
+        ("Halving the step [doubles] the error of Euler.", "1/power(2, order forward_euler)", "half"),
+        ("Halving the step [halves] the error of Euler.", "1/power(2, order forward_euler)", None),
+        ("Doubling the step [doubles] the error of Euler.", "power(2, order forward_euler)", None),
+        ("Halving the step makes that of RK4 [four] times smaller.", "power(2, order rk4)", "sixteen"),
+        ("Halving the step makes that of RK4 sixteen times [larger].", "-power(2, order rk4)", "smaller"),
+        ("On x'' = -x forward Euler is stable for [no] h at all.", "imaginary_limit forward_euler", None),
+        ("On x'' = -x forward Euler is stable for [every] h.", "imaginary_limit forward_euler", "zero"),
+        ("On y' = -y RK4 is stable for [every] h.", "real_limit rk4", "2.785"),
+        ("On y' = -y backward Euler is stable for [every] h.", "real_limit backward_euler", None),
+        ("RK4 is of fourth order, the error in one step of [fifth] order.", None, None),
+        ("Richardson extrapolated Euler is of [second] order.", None, None),
+        ("For [second]-order equations RK4 is fine; for [first] order RK4 is, too.", None, None),
+        ("If the step is halved, the error of RK4 is [four] times smaller than that of Heun.", None, None),
+        ("Halving the step [doubles] the cost of Euler, and only halves the error of RK4.", None, None),
     ],
 )  # fmt: skip
 def test_a_sentence_gives_a_fact_that_its_number_is_or_is_a_slip_for(text, fact, slip):
-    at, plain = text.index("["), text.replace("[", "").replace("]", "")
+    at, plain = text.index("["), re.sub("[][]", "", text)
     suggestions = Suggestions(plain)
     (number,) = [x for x in (*numbers_in(plain), *suggestions.words) if x.start == at] or [None]
     found = suggestions._fact_at(number) if number else None
@@ -114,6 +134,7 @@ def test_several_methods_have_one_fact_if_it_is_the_same_of_all():
         ("Heun's is not A-stable", "a_stable heun2", "no", True),
         ("It is so if R(∞) = 0. Backward Euler is L-stable", "l_stable backward_euler", "yes", True),
         ("classical RK4 is symmetric", "symmetric rk4", "yes", False),
+        ("The trapezoidal rule is also L-stable", "l_stable trapezoid", "yes", False),
     ],
 )
 def test_a_property_is_a_fact_that_holds_or_not(text, question, answer, holds):
@@ -130,6 +151,12 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
         ("symplectic rk4", "yes", False),
     ]
     assert found[0].phrase == found[1].phrase == "trapezoidal rule is A-stable but not L-stable"
+    for text, holds in (
+        ("Backward Euler and BDF2 are both A-stable", [True, True]),
+        ("Neither RK4 nor backward Euler is A-stable", [True, False]),
+        ("Backward Euler has R = 1, the trapezoidal rule -1; neither is A-stable", [False, False]),
+    ):
+        assert [one.holds for one in exactly(2, properties_in(text))] == holds
 
 
 @pytest.mark.parametrize(
@@ -137,7 +164,8 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
     [
         *("It is A-stable", "RK4 is fast", "RK4 is symplectically ill", "RK4 is L", "So RK4 is A-stable?"),
         *("True or false: RK4 is A-stable.", "It is a myth that RK4 is A-stable", "Nobody says that RK4 is A-stable"),
-        "Neither RK4 nor Heun's method is A-stable",
+        *("RK4 nor Heun is A-stable", "The regions of RK4 and BDF2 are symmetric", "BDF2 but not RK4 is A-stable"),
+        *("Unlike RK4 and Heun, both are A-stable", "Nobody says that neither RK4 nor Heun is A-stable"),
     ],
 )
 def test_nothing_is_read_into_other_words_questions_and_denials(text):

@@ -93,6 +93,19 @@ def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few
     assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
 
 
+@pytest.mark.parametrize(
+    ("text", "asked", "strong"),  # of the last number
+    [
+        ("The error of RK4 changes by -1.0e-08.", "0 * order {RK4} - 1.02e-8", True),
+        ("Heun and RK4 with h = 0.1 are off by factors of 4.00.", "ratio(4.001, 1)", False),
+        ("With h = 0.100 for RK4.", "0.1 + 0 * order {RK4}", False),
+    ],
+)
+def test_zeros_at_the_end_are_digits_of_what_the_author_asks_for(text, asked, strong):
+    found = Suggestions(text, [asked]).look_alikes(numbers_in(text)[-1])
+    assert any(one.strong for one in found) is strong
+
+
 def test_a_value_of_another_step_size_or_the_solution_is_weak_where_the_place_names_a_value():
     """With RK4, h = 1, y is 0.3750; the solution is 0.3679, and 0.3681 is y with h = 1/2."""
     text = "y' = -y, y(0) = 1, to t = 1, h = 0.5 or 1. With h = 1, RK4 gives y(1) = {}, the exact value is 0.3679."
