@@ -315,6 +315,10 @@ def _too_early(lines: Lines, stages: int, runge_kutta: bool, pair: bool) -> Iter
     """Yield the lines that advance the state, or one component of it, while stages are still formed from it."""
     if not runge_kutta:
         yield "v1 moves the position in place of v", (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
+    overwritten = {f"Y[{i}] is": (f"Y[{i}]",) for i in range(1, stages) if runge_kutta}
+    for words, names in (overwritten | {"each Y[i] is": ("Y",)} if overwritten else {}).items():
+        kept = tuple(each.replace(" = y", " = y = y", 1) if each.startswith(names) else each for each in lines)
+        yield f"{words} y itself, which it overwrites", kept
     y, weights = ("y", "h * b") if runge_kutta else ("q", "h * h * b_position")
     for i in range(stages):
         early = f"{y} + {weights}[{i}] * k[{i}]"

@@ -162,8 +162,9 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     places = [
         next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
     ]
-    if None in places and len(names) == 2 and not any(map(is_before, names)):
-        places = list(names)
+    plain = [each for each in names if roles[each] != calling.TIME]
+    if None in places and len(plain) == 2 and not any(map(is_before, names)):
+        places = list(plain)
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
     left = [each for each in names if each not in places]
@@ -314,13 +315,15 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if calling.FUNCTION not in roles:
         alone = partial(called, None)
         record = record_of(step, alone)
+        if record is not None and _role(record.position) is None and record.clock:  # may be no time
+            record = record if _keeps_time(alone, record.filled(1.0, 0.75), record.clock) else None
         further = further_fields(record, alone) if record is not None else []
         if record is not None and not further:
             if not record.slopes:  # a slope that is handed on has no function to be asked for
                 yield _with_parameters(called, record)
         elif found := fields_of(step, alone):
-            name, make, _, needed = found
-            yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])))
+            name, make, fields, needed = found
+            yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])), fields)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
@@ -344,24 +347,37 @@ def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
     return form
 
 
-def _of_numbers(
-    step: Callable[..., Foreign], name: str, make: Any, needed: Sequence[str]
-) -> Iterator[Callable[..., Any]]:
-    """Yield the step(y, h) of a record of several numbers, in the order in which it returns them."""
-    if len(needed) <= 2 or any(map(is_before, needed)):
-        return
-    order = list(needed)
-    with suppress(Exception):
-        returned = [*parts_of(step(make(**dict.fromkeys(needed, 0.5))))]
-        order = returned if {*returned} == {*needed} else order
+def _keeps_time(step: Callable[..., Foreign], state: Foreign, clock: str) -> bool:
+    """True if this field of a record goes on by the step size, 1/4, in a step from 0."""
+    with suppress(Exception):  # of foreign code, and of what is no number
+        found = step(state)
+        return bool(np.isclose(float(_named(state if found is None else found)[clock]), 0.25, _CLOCK))
+    return False
 
-    def moved(y: Sequence[float], h: float) -> list[Foreign]:
-        state = make(**dict(zip(order, map(float, y), strict=True)))
-        found = step(state, 0.0, h)
-        parts = parts_of(state if found is None else found)
+
+def _of_numbers(
+    step: Callable[..., Foreign], name: str, make: Any, needed: Sequence[str], fields: Sequence[str]
+) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h) of a record of several numbers, in the order in which it returns them.
+
+    Or the step(t, y, h), if one of its fields is a clock.
+    """
+    likely, start = (each for each in fields if _role(each) == calling.TIME), dict.fromkeys(needed, 0.5)
+    clock = next((each for each in likely if _keeps_time(step, make(**{**start, each: 0.0}), each)), None)
+    order = [each for each in needed if each != clock]
+    if len(order) <= 2 or any(map(is_before, order)):
+        return
+    with suppress(Exception):
+        returned = [each for each in _named(step(make(**start))) if each != clock]
+        order = returned if {*returned} == {*order} else order
+
+    def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
+        state = make(**dict(zip(order, map(float, y), strict=True)), **({clock: t} if clock else {}))
+        found = step(state, t, h)
+        parts = _named(state if found is None else found)
         return [parts[each] for each in order]
 
-    form: Any = moved
+    form: Any = moved if clock else lambda y, h: moved(0.0, y, h)
     form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
     yield form
 

@@ -50,7 +50,17 @@ def nystrom4_with_new_velocity(force, q, v, h):
     return q + h * v1 + h * h / 6 * (a + 2 * b), v1
 
 
+def kutta3_in_place(f, t, y, h):
+    w = y
+    k1 = f(t, y)
+    w += h / 2 * k1
+    k2 = f(t + h / 2, w)
+    w[:] = y + h * (2 * k2 - k1)
+    y += h / 6 * (k1 + 4 * k2 + f(t + h, w))
+
+
 WRONG = {
+    "in place": (kutta3_in_place, "kutta3"),
     "weights exchanged": (codes.tableau(((), (2 / 3,)), (3 / 4, 1 / 4), (0, 2 / 3)), "ralston2"),
     "reused": (rk4_with(slope=lambda f, t, y, h, k2: k2), "rk4"),
     "twice as far": (rk4_with(slope=lambda f, t, y, h, k2: f(t + h / 2, y + h * k2)), "rk4"),
