@@ -27,9 +27,16 @@ _NEW = re.compile("_?(new|next|out|1)$")
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
-    """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
+    """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads.
+
+    None if a field with the name of a time, beside others without a role, does not go on by the step size that `call`
+    gives, 1/4: it may be a temperature.
+    """
     found = fields_of(step, call)
-    return _record(*found) if found else None
+    if (record := _record(*found) if found else None) and _role(record.position) is None and record.clock:
+        filled, clock = record.filled, record.clock
+        return record if _keeps_time(call, lambda x: filled(x, x), clock) else None
+    return record
 
 
 def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
@@ -315,8 +322,6 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if calling.FUNCTION not in roles:
         alone = partial(called, None)
         record = record_of(step, alone)
-        if record is not None and _role(record.position) is None and record.clock:  # may be no time
-            record = record if _keeps_time(alone, record.filled(1.0, 0.75), record.clock) else None
         further = further_fields(record, alone) if record is not None else []
         if record is not None and not further:
             if not record.slopes:  # a slope that is handed on has no function to be asked for
@@ -347,11 +352,12 @@ def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
     return form
 
 
-def _keeps_time(step: Callable[..., Foreign], state: Foreign, clock: str) -> bool:
-    """True if this field of a record goes on by the step size, 1/4, in a step from 0."""
+def _keeps_time(step: Callable[..., Foreign], made: Callable[[float], Foreign], clock: str) -> bool:
+    """True if this field of records goes on by the step size, 1/4, in steps from 0, whatever x they are made with."""
     with suppress(Exception):  # of foreign code, and of what is no number
-        found = step(state)
-        return bool(np.isclose(float(_named(state if found is None else found)[clock]), 0.25, _CLOCK))
+        pairs = [(state, step(state)) for state in (made(0.75), made(-0.5))]
+        ends = [float(_named(state if found is None else found)[clock]) for state, found in pairs]
+        return bool(np.allclose(ends, 0.25, _CLOCK))
     return False
 
 
@@ -362,13 +368,17 @@ def _of_numbers(
 
     Or the step(t, y, h), if one of its fields is a clock.
     """
-    likely, start = (each for each in fields if _role(each) == calling.TIME), dict.fromkeys(needed, 0.5)
-    clock = next((each for each in likely if _keeps_time(step, make(**{**start, each: 0.0}), each)), None)
+
+    def at_zero(x: float, clock: str) -> Foreign:
+        return make(**{**dict.fromkeys(needed, x), clock: 0.0})
+
+    likely = [each for each in fields if _role(each) == calling.TIME]
+    clock = next((each for each in likely if _keeps_time(step, partial(at_zero, clock=each), each)), None)
     order = [each for each in needed if each != clock]
     if len(order) <= 2 or any(map(is_before, order)):
         return
     with suppress(Exception):
-        returned = [each for each in _named(step(make(**start))) if each != clock]
+        returned = [each for each in _named(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
         order = returned if {*returned} == {*order} else order
 
     def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
