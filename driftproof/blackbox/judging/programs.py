@@ -255,8 +255,10 @@ def unsettled(method: Method, program: Program, size: int) -> Iterator[tuple[str
     Slopes weighed are those of the stages that are found, or those that the equations give for these.
     """
     assert isinstance(method, RungeKutta | Collocation)
+    together = tuple(sorted(program.lines, key=lambda line: "Yky".index(line[0])))  # all stages in each round
     for n in range(1, _FEW + 1):
-        yield f"the stages are iterated {counted(n, 'time')} from k[i] = f(y)", replace(program, rounds=n)
+        words = f"the stages are iterated {counted(n, 'time')} from k[i] = f(y)"
+        yield words, replace(program, lines=together, rounds=n)
     few = range(1, _FEW + 1) if size * method.stages <= _MOST_UNKNOWNS else ()
     for n, predicted, anew, called in product(few, (False, True), (False, True), (False, True)):
         start, frozen = (
