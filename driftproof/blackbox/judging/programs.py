@@ -194,10 +194,8 @@ def edits(method: Method, program: Program, pair: bool) -> Iterator[tuple[str, L
     whole = program.lines
     for at, line in enumerate(whole):
         before = whole if program.implicit else whole[:at]
-        wrong = chain(
-            _wrong_factors(line), _wrong_names(before, line), _exchanged(line), _left_out(line), _in_one_component(line)
-        )
-        for words, *lines in wrong:
+        wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
+        for words, *lines in chain(wrong, _exchanged(line)):
             if pair or "_only" not in "".join(lines):
                 yield words, (*whole[:at], *lines, *whole[at + 1 :])
     if "d" in program.tables:
