@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 import pytest
 
@@ -62,6 +63,18 @@ def required_claims(proved: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, 
         last[key[0]] = max(last[key[0]], int(key[1:]))
     added = (f"L{number:03}" for number in range(int(STATEMENTS[-1][1:]) + 1, last["L"] + 1))
     return (*REQUIRED, *added), tuple(f"T{n:02}" for n in range(1, last["T"] + 1))
+
+
+def verifiable_otherwise(listed: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """A sentence for each entry of claims.json that is new, or is to be proved there and not here, or here alone."""
+    for entry in listed:
+        key, why = entry["id"], NOT_VERIFIABLE.get(entry["id"])
+        if key not in STATEMENTS:
+            yield f"{key}: new in claims.json: run python -m proofs.sentences, then write its proof; {HOW_TO_ADD}"
+        elif entry["verifiable"] and why:
+            yield f"{key}: verifiable in claims.json, but NOT_VERIFIABLE in proofs/claims.py says that it is {why!r}"
+        elif not entry["verifiable"] and not why:
+            yield f"{key}: not verifiable in claims.json; say in NOT_VERIFIABLE of proofs/claims.py what it is instead"
 
 
 def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:

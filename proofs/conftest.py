@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,11 @@ import pytest
 
 from driftproof.support.files import atomic_write
 from driftproof.support.progress import working
+from driftproof.symbolic.family_facts import FamilyFacts
+from driftproof.symbolic.linear.facts import FactsOfFamily, LinearFacts
 from driftproof.texts.values.changes import changes
 from driftproof.texts.values.published import VALUES_FILE
-from proofs.claims import RESTRICTED
+from proofs.claims import CERTIFIED, PROVED, RESTRICTED
 from proofs.ledger import Entry, Ledger
 from proofs.printed import published
 
@@ -22,6 +25,8 @@ LEDGER_FILE = Path(__file__).with_name("ledger.md")
 FILES = {path.name for path in Path(__file__).parent.glob("test_*.py")}
 PUBLISHED = "published"
 NEEDED = "Needed:"
+BY_DERIVATION = (PROVED, RESTRICTED, CERTIFIED)
+FACTS_BY_NAME = (LinearFacts, FactsOfFamily, FamilyFacts)
 _LEDGER = pytest.StashKey[Ledger]()
 
 
@@ -88,6 +93,26 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
     terminal: Any = item.config.get_terminal_writer()
     with working("", terminal._file):  # captured output does not reach the terminal
         return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[Any]:
+    """Fail a proof that reads a fact by name, of a claim that is to be proved: it would hold for a wrong fact, too."""
+    marker = item.get_closest_marker("claim")
+    with pytest.MonkeyPatch.context() as during:
+        for kind in FACTS_BY_NAME if marker and marker.kwargs["evidence"] in BY_DERIVATION else ():
+            during.setattr(kind, "__getattribute__", _refused)
+        return (yield)
+
+
+def _refused(facts: Any, name: str) -> Any:
+    if name.startswith("_") or not isinstance(getattr(type(facts), name, None), cached_property):
+        return object.__getattribute__(facts, name)
+    pytest.fail(
+        f"reads the fact {name!r}, and no fact is evidence for itself: derive it from the method, with what "
+        "proofs/setting.py has; a test below tests/symbolic/ can compare the fact with that",
+        pytrace=False,
+    )
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.number_field import square_root
 from driftproof.methods.rationals import parse_rational
-from driftproof.symbolic.algebra.certified import CertifiableReal, fixed, scientific
+from driftproof.symbolic.algebra.certified import CertifiableReal, fixed, scientific, significant
 from driftproof.texts.writing.answers import exact_and_decimal
 from proofs.claims import CERTIFIED, COUNTED, GIVEN, PROVED
 from proofs.quantities import QUANTITIES, Quantity
@@ -68,6 +70,36 @@ def published(claim: str, evidence: str, key: str, text: str, value: Certifiable
     if not (square_root(int(text[1:])) == value if root else exact or text == _rounded_like(text, value)):
         raise ValueError(f"{claim} prints {text}, and {key} is {answer['decimal']}")
     return {"id": key, "claim": claim, "text": text, "evidence": evidence, **answer}
+
+
+# The statements whose number is in claims.json and not published by their proof, and two with whom it is otherwise.
+NOT_IN_BOTH = {f"L{n:03}" for n in (50, 58, 94, 155, 179, 191, 203, 209, 246, 239, 247)}
+
+
+def slips_of(entry: Mapping[str, Any], proved: Mapping[str, tuple[str, str]]) -> Iterator[str]:
+    """What is wrong with the numbers of an entry of claims.json: a sentence for each.
+
+    `proved` has the text and the decimal of the number that a proof publishes for a claim. The text of the entry is
+    that of the proof, and is in the quote, unless the quote has its numbers in words; the decimal is the value.
+    """
+    key, printed, decimal = entry["id"], entry["printed"], entry["decimal"]
+    text, value = proved.get(key, (None, None))
+    if printed != text and key not in NOT_IN_BOTH:
+        here = f"its proof, or a row of proofs/printed.py, {text}" if text else "no proof publishes it"
+        yield f"{key}: in claims.json it prints {printed or 'no number'}; {here}"
+    quote = entry["quote"].replace("−", "-")
+    if printed and re.search(r"\d", quote) and not _stands_in(quote, printed):
+        yield f"{key}: in claims.json it prints {printed}, which is not in its quote {entry['quote']!r}"
+    exact = parse_rational(value or printed or decimal or "0")
+    digits = max(1, len((decimal or "").lstrip("-0.").replace(".", "")))
+    if decimal and parse_rational(decimal) != parse_rational(significant(exact, digits)):
+        yield f"{key}: its decimal in claims.json is {decimal}; to as many digits it is {significant(exact, digits)}"
+
+
+def _stands_in(quote: str, number: str) -> bool:
+    """True if the quote has the number, as a whole unless the cells of a table run together in it."""
+    together = re.search(r"[A-Za-z]\d", quote)
+    return number in (quote if together else re.findall(r"(?<![\d.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?:/\d+)?", quote))
 
 
 ROWS: tuple[Printed, ...] = (

@@ -14,7 +14,8 @@ import json
 import re
 import sys
 from bisect import bisect
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import SequenceMatcher
 from functools import cache
 from hashlib import sha256
@@ -23,10 +24,13 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any, NamedTuple
 
+from driftproof.methods.rationals import parse_rational
+
 BESIDE = Path(__file__).parents[2] / "shared" / "lesson"
 LESSON, INVENTORY = BESIDE / "lesson.txt", BESIDE / "claims.json"
 FILE = Path(__file__).parent / "lesson" / "sentences.txt"
 DIGITS, LONGEST_QUOTE = 16, 100
+ALIKE = ("equal", "moved")
 HEAD = "# The number of each line of the lesson that has words, a digest of these, and the statements in it.\n"
 
 
@@ -40,6 +44,56 @@ class Line(NamedTuple):
     def __str__(self) -> str:
         """The line of the file."""
         return " ".join((str(self.number), self.digest, *self.claims))
+
+
+def _is_line(x: Any) -> bool:
+    numbers = x if isinstance(x, list) and len(x) == 2 else [x]
+    return all(type(number) is int and number > 0 for number in numbers) and numbers == sorted(numbers)
+
+
+def _is_number(x: Any) -> bool:
+    try:
+        return x is None or (isinstance(x, str) and parse_rational(x) is not None)
+    except ValueError:
+        return False
+
+
+# The fields of an entry of the list that are read, with what each may be; the others are for people.
+FIELDS: dict[str, tuple[Callable[[Any], object], str]] = {
+    "id": (lambda x: isinstance(x, str) and re.fullmatch(r"L\d{3}", x), "L and three digits"),
+    "line": (_is_line, "the number of its line, or of its first and its last as [39, 40]"),
+    "quote": (lambda x: isinstance(x, str) and x.strip(), "the words of the lesson"),
+    "verifiable": (lambda x: isinstance(x, bool), "true, or false for one that NOT_VERIFIABLE in proofs/claims.py has"),
+    "printed": (_is_number, 'the number that it prints, as in "0.25" or "337/384", or null'),
+    "decimal": (_is_number, 'its value to any number of digits, as in "0.25", or null'),
+}
+
+
+def inventory() -> list[dict[str, Any]]:
+    """The entries of the list of claims. Raises ValueError, in one line, for what is none: where, and what may be."""
+    try:
+        document = json.loads(INVENTORY.read_text(encoding="utf-8"))
+    except json.JSONDecodeError as slip:
+        raise ValueError(f"{INVENTORY.name}, line {slip.lineno}, column {slip.colno}: {slip.msg}") from None
+    except OSError as missing:
+        raise ValueError(f"{INVENTORY}: {missing.strerror}") from None
+    entries = document.get("claims") if isinstance(document, dict) else None
+    if not isinstance(entries, list):
+        raise ValueError(f'{INVENTORY.name}: its entries are a list under "claims", as in {{"claims": [...]}}')
+    seen: dict[str, int] = {}
+    for number, entry in enumerate(entries, 1):
+        last = f", after {entries[number - 2]['id']}" if number > 1 else ""
+        name = entry["id"] if isinstance(entry, dict) and isinstance(entry.get("id"), str) else f"entry {number}{last}"
+        for field, (allowed, what) in FIELDS.items():
+            if not isinstance(entry, dict) or field not in entry:
+                raise ValueError(f"{INVENTORY.name}: {name} has no {field!r}; an entry has {', '.join(FIELDS)}")
+            if not allowed(entry[field]):
+                raise ValueError(f"{INVENTORY.name}: {name}: its {field!r} is {entry[field]!r}, and may be {what}")
+        if seen.setdefault(name, number) != number:
+            raise ValueError(
+                f"{INVENTORY.name}: {name} is the id of the entries {seen[name]} and {number}, and may be of one"
+            )
+    return entries
 
 
 def words_of(text: str) -> dict[int, str]:
@@ -70,14 +124,25 @@ Place = tuple[str, list[Line], list[Line]]
 
 
 def _places(text: str) -> Iterator[Place]:
-    """What became of the lines that were read: for each place its kind, in the words of `difflib`, before and after.
+    """What became of the lines that were read: for each place its kind, before and after.
 
-    Lines that were replaced by as many are a place each.
+    The kinds are those of `difflib`, and "moved" for a line that stands elsewhere, its words as before. Lines that
+    were replaced by as many are a place each.
     """
     read, found = list(lines_read()), lines_of(text, {})
-    compared = SequenceMatcher(a=[line.digest for line in read], b=[line.digest for line in found], autojunk=False)
-    for kind, first, last, start, end in compared.get_opcodes():
-        before, after = read[first:last], found[start:end]
+    digests = [[line.digest for line in lines] for lines in (read, found)]
+    codes = SequenceMatcher(None, *digests, autojunk=False).get_opcodes()
+    old, new = (
+        {line.digest: line for kind, *at in codes if kind != "equal" for line in lines[at[i] : at[i + 1]]}
+        for i, lines in ((0, read), (2, found))
+    )
+    once = [{digest for digest, times in Counter(each).items() if times == 1} for each in digests]
+    moved = old.keys() & new.keys() & once[0] & once[1]
+    yield from (("moved", [line], [new[digest]]) for digest, line in old.items() if digest in moved)
+    for kind, first, last, start, end in codes:
+        before, after = (
+            [line for line in lines if line.digest not in moved] for lines in (read[first:last], found[start:end])
+        )
         if len(before) == len(after):
             yield from ((kind, [old], [new]) for old, new in zip(before, after, strict=True))
         else:
@@ -86,37 +151,40 @@ def _places(text: str) -> Iterator[Place]:
 
 def changes(text: str) -> list[str]:
     """What differs between a text and the lines that were read, a sentence for each place."""
-    told, moved, last = [], "", 0
+    told, shifted, last = [], "", 0
     for kind, before, after in _places(text):
         numbers = [line.number for line in after]
-        if kind == "equal":
-            if not moved and before[0].number != numbers[0]:
-                moved = f"line {numbers[0]}: its words are as before, but ledger.md has them in line {before[0].number}"
+        ids = ", ".join(dict.fromkeys(claim for line in before for claim in line.claims))
+        if kind in ALIKE:
+            at = f"line {before[0].number} is line {numbers[0]} now, its words as before{ids and f': {ids}'}"
+            if kind == "moved":
+                told.append(at)
+                continue
+            shifted = shifted or at * (before[0].number != numbers[0])
         else:
-            ids = ", ".join(dict.fromkeys(claim for line in before for claim in line.claims))
             what = f"the words of {ids}" if ids else "words without a statement"
             where = f"lines {numbers[0]} to {numbers[-1]}" if numbers[1:] else f"line {(numbers or [last])[0]}"
             gone = f"{where}: {what} are gone or changed" if numbers else f"after {where}: {what} are gone"
-            told.append(f"{where}: new words" if kind == "insert" else gone)
+            told.append(gone if before else f"{where}: new words")
         last = numbers[-1] if numbers else last
-    return told or [moved] * bool(moved)
+    return told or [shifted] * bool(shifted)
 
 
-def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> tuple[dict[int, list[str]], list[str]]:
+def placed(text: str, listed: Iterable[Mapping[str, Any]]) -> tuple[dict[int, list[str]], list[str]]:
     """The statements of an inventory by the lines of the text in which they stand, and a sentence for each without one.
 
-    A statement that was read stands where its line does, or in what took the place of that, or else in a line that is
-    new; any other, anywhere. Its `line` says which, if its quote stands in several of these; else it stands in none.
+    A statement that was read stands where its line does now, or in what took the place of that, or else in a line that
+    is new; any other, anywhere. Its `line` says which, if its quote stands in several of these; else it stands in none.
     """
     its_own: dict[str, set[int]] = {}
     others: set[int] = set()
     for kind, before, after in _places(text):
         numbers = {line.number for line in after}
-        others |= numbers if kind != "equal" else set()
+        others |= numbers if kind not in ALIKE else set()
         for claim in (claim for line in before for claim in line.claims):
             its_own.setdefault(claim, set()).update(numbers)
-    words, claims, lost, seen = words_of(text), dict[int, list[str]](), [], set[str]()
-    for entry in inventory:
+    words, claims, lost = words_of(text), dict[int, list[str]](), list[str]()
+    for entry in listed:
         at = _where(" ".join(entry["quote"].split()), words)
         own = its_own.get(entry["id"], set(words))
         found = [each for each in at if own.issuperset(each)] or [each for each in at if others.issuperset(each)]
@@ -126,28 +194,27 @@ def placed(text: str, inventory: Iterable[Mapping[str, Any]]) -> tuple[dict[int,
             claims.setdefault(number, []).append(entry["id"])
         if not found:
             lost.append(f"{entry['id']}: {shorten(entry['quote'], LONGEST_QUOTE, placeholder=' ...')!r} is gone")
-        if entry["id"] in seen:
-            lost.append(f"{entry['id']}: a second statement of this id: {shorten(entry['quote'], LONGEST_QUOTE)!r}")
-        seen.add(entry["id"])
     return claims, lost
 
 
 def _told(text: str, claims: Mapping[int, list[str]]) -> list[str]:
     """The `changes`, then the lines that are new, or have other words, and hold no statement, with what to do."""
     words = words_of(text)
-    new = (line.number for kind, _, after in _places(text) if kind != "equal" for line in after)
+    new = (line.number for kind, _, after in _places(text) if kind not in ALIKE for line in after)
     what = f"is of no statement; if it says what can be checked, give it an entry in {INVENTORY.name} and a proof"
     shown = ((number, shorten(words[number], LONGEST_QUOTE, placeholder=" ...")) for number in new)
     return [*changes(text), *(f"line {number}: {quote!r} {what}" for number, quote in shown if number not in claims)]
 
 
-def to_do(text: str, inventory: Iterable[Mapping[str, Any]]) -> list[str]:
+def to_do(text: str, listed: Iterable[Mapping[str, Any]]) -> list[str]:
     """What differs between a text and what was read, and what to do about it; nothing if it does not differ."""
-    claims, lost = placed(text, inventory)
+    claims, lost = placed(text, listed)
     told = _told(text, claims)
     if lost:
         lost.append(f"Write the new words of these to {INVENTORY.name}; delete those that the lesson says no more.")
-    read = "Read what has other words against its proof in ledger.md, then run python -m proofs.sentences."
+    others = lost or any(kind not in ALIKE for kind, *_ in _places(text))
+    read = "Read what has other words against its proof in ledger.md, then run" if others else "To record that, run"
+    read += " python -m proofs.sentences."
     return [*told, *lost, read] if told or lost else []
 
 
@@ -162,11 +229,14 @@ def _where(quote: str, words: dict[int, str]) -> list[tuple[int, ...]]:
 
 def main() -> int:
     """Write the file from the lesson's text and its list of claims, and tell what is taken as read by that."""
-    text = LESSON.read_text(encoding="utf-8")
-    inventory = json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"]
-    claims, lost = placed(text, inventory)
+    try:
+        text, listed = LESSON.read_text(encoding="utf-8"), inventory()
+    except (OSError, ValueError) as slip:
+        print(f"nothing written: {slip}", file=sys.stderr)
+        return 1
+    claims, lost = placed(text, listed)
     if lost:
-        print("\n".join(["nothing written:", *to_do(text, inventory)]), file=sys.stderr)
+        print("\n".join(["nothing written:", *to_do(text, listed)]), file=sys.stderr)
         return 1
     told, read = _told(text, claims), lines_of(text, claims)
     dropped = {claim for line in lines_read() for claim in line.claims}.difference(*(line.claims for line in read))

@@ -16,16 +16,20 @@ from driftproof.reports.page.document import document
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.plot import Plot, Scale, symmetric_limit, ticks
 from driftproof.reports.page.trajectory import SampledRun, phase_plane, position
-from driftproof.reports.scene_view import COMPARED_READOUTS, asking_for, comparison_rows, readout_rows
+from driftproof.reports.scene_view import COMPARED_READOUTS, asking_for, comparison_rows, readout_rows, show_scene
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose, is_less
 from driftproof.symbolic.derivation.one_step import matrix_at
 from driftproof.symbolic.runs import apply
 from proofs.claims import COUNTED, claim
+from proofs.printed import ROWS
 from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
 
 # A unit of the last digit of a coordinate in a picture.
 HUNDREDTH = Q(1, 100)
 EVERY = tuple(product(PRESETS, LESSON_METHODS))
+# What the lesson calls its readouts, above their values; the last two are named otherwise there and here.
+LABELS = ["Numerical (q, v)", "Exact (q, v)", "State error", "Final energy", "Energy change"]
+LABELS += ["Wrapped phase error (degrees)"]
 TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')
 
 
@@ -91,7 +95,7 @@ def labels(figure: Figure, axis: str) -> list[str]:
 
 @claim("L095", evidence=COUNTED, by="marks read back")
 def test_both_diagrams_show_the_selected_method_and_the_table_all_three() -> None:
-    """Our two diagrams hold the samples of the method that is selected, each once; our table has all three at one h."""
+    """Our two diagrams of a preset hold the selected method's samples, each once; our table has all three at one h."""
     for name, key in EVERY:
         over_time, plane = (figure.plot for figure in drawn(name, key))
         states, h = exact_samples(name, key), PRESETS[name].h
@@ -130,7 +134,7 @@ def test_default_diagram_compares_forty_one_samples_with_the_cosine() -> None:
 
 @claim("L101", evidence=COUNTED, by="largest sample bounded")
 def test_vertical_scale_follows_the_results() -> None:
-    """In our drawings the q axis ends between 21/20 and 7/5 of the largest |qₙ| of the run: it follows."""
+    """In our drawings of the presets the q axis ends between 21/20 and 7/5 of the run's largest |qₙ|: it follows."""
     for name, key in EVERY:
         largest = max(abs(q) for q, _ in exact_samples(name, key))
         end = reach(drawn(name, key)[0].plot)
@@ -153,10 +157,16 @@ def test_ticks_of_the_position_diagram() -> None:
 
 @claim("L105", evidence=COUNTED, by="scale factors equal")
 def test_phase_plane_has_equal_scales() -> None:
-    """In our phase plane a unit of q and a unit of v are the same length, exactly, whatever preset is drawn."""
+    """In our phase plane, whatever preset is drawn, units of q and v are equal, so the exact path is a circle, round 0.
+
+    Its radius is 1, as that of the solution, to a hundredth of a unit of the picture.
+    """
     for name, key in EVERY:
         over_time, plane = (figure.plot for figure in drawn(name, key))
         assert plane.x.scale.per_unit == -plane.y.scale.per_unit > 0
+        x, y, radius = map(Q, circle(plane, "exact path"))
+        assert abs(x - plane.x.scale(Q(0))) <= HUNDREDTH >= abs(y - plane.y.scale(Q(0)))
+        assert abs(radius - plane.x.scale.per_unit) <= HUNDREDTH
         assert over_time.x.scale.per_unit != -over_time.y.scale.per_unit
 
 
@@ -173,7 +183,7 @@ def test_ticks_of_the_phase_plane() -> None:
 
 @claim("L110", evidence=COUNTED, by="marks at exact states")
 def test_final_states_are_marked_apart_on_one_scale() -> None:
-    """In our drawings an open blue ring marks the exact final state, and a smaller solid amber disc the computed one.
+    """In our drawings of the presets an open blue ring marks the exact end, a smaller amber disc the computed one.
 
     Of the exact state the place is certified, of the run it is computed in fractions.
     """
@@ -217,7 +227,8 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
     """Our scales change with the method selected; in all scenes our readouts from 1/10000 on show finer digits.
 
     Six decimals against the table's three, or against its two digits below a thousandth. A smaller value may have the
-    same digits in both: RK4's energy change at h = 1/4 is shown as -0.000067 and as -6.7e-5.
+    same digits in both: RK4's energy change at h = 1/4 is shown as -0.000067 and as -6.7e-5. What the default scene
+    shows is what the lesson prints of it, in its readouts with their labels and in its table.
     """
     for name in PRESETS:
         assert len({reach(drawn(name, key)[0].plot) for key in LESSON_METHODS}) > 1
@@ -234,6 +245,15 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
     readout, cell = shown_twice(run_method(asking_for(PRESETS["default"], COMPARED_READOUTS), RK4))["energy_change"]
     assert (readout, cell) == ("-0.000067", "-6.7e-5")
     assert parse_rational(readout) == parse_rational(cell)
+    default, printed = show_scene(PRESETS["default"]), {row.claim: row.text for row in ROWS}
+    shown = dict(readout_rows(default["readouts"]))
+    texts = [printed[f"L{n}"] for n in (*range(112, 122), *range(125, 134))]
+    assert list(shown) == [*LABELS, "Steps", "Acceleration evaluations"]
+    assert re.findall(r"-?[\d.]+", " ".join(shown.values())) == texts[:10]
+    (heads, *rows), _ = comparison_rows(PRESETS["default"], default["table"])
+    assert heads == ["Method", "State error", "Energy change", "Calls"]
+    assert [cell for _, *cells in rows for cell in cells] == texts[10:]
+    assert [title for title, *_ in rows] == [METHODS[key].title for key in LESSON_METHODS]
 
 
 def shown_twice(values: Readouts) -> dict[str, tuple[str, str]]:
@@ -253,7 +273,7 @@ def unit(text: str) -> Q:
 
 @claim("L149", evidence=COUNTED, by="all samples inside")
 def test_each_diagram_rescales_to_include_its_trajectory() -> None:
-    """Every (qₙ, vₙ) lies inside the axes of both our diagrams, which end within 7/5 of what they have to show."""
+    """Of each preset every (qₙ, vₙ) is inside the axes of both our diagrams, which end within 7/5 of what they show."""
     for name, key in EVERY:
         over_time, plane = (reach(figure.plot) for figure in drawn(name, key))
         qs, vs = zip(*exact_samples(name, key), strict=True)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import json
-from fractions import Fraction
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from driftproof.symbolic.algebra.certified import CertifiableReal, significant
-from proofs.claims import HOW_TO_ADD, NOT_VERIFIABLE, REQUIRED, STATEMENTS, claim
+from driftproof import Facts
+from proofs import conftest
+from proofs.claims import (
+    COUNTED,
+    HOW_TO_ADD,
+    NOT_VERIFIABLE,
+    REQUIRED,
+    STATEMENTS,
+    claim,
+)
 from proofs.ledger import Entry, Ledger
-from proofs.printed import ROWS
-from proofs.sentences import INVENTORY as LESSON
 from proofs.sentences import line_of_claim
 
 
@@ -19,33 +26,6 @@ def test_what_needs_no_proof_is_a_statement_of_the_lesson() -> None:
     """One that the lesson has dropped is to be deleted from NOT_VERIFIABLE."""
     assert set(NOT_VERIFIABLE) - set(STATEMENTS) == set()
     assert len(REQUIRED) > 200
-
-
-@pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
-def test_required_are_the_verifiable_claims_of_the_lesson() -> None:
-    """The required claims are those that the lesson's own inventory calls verifiable."""
-    inventory = json.loads(LESSON.read_text(encoding="utf-8"))["claims"]
-    verifiable = {entry["id"] for entry in inventory if entry["verifiable"]}
-    assert verifiable == set(REQUIRED)
-
-
-@pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
-def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
-    """The printed texts and decimals are those of the lesson's own inventory."""
-    inventory = {entry["id"]: entry for entry in json.loads(LESSON.read_text(encoding="utf-8"))["claims"]}
-    for row in ROWS:
-        assert inventory[row.claim]["printed"] == row.text
-        theirs = inventory[row.claim]["decimal"]
-        assert Fraction(theirs) == _rounded_as(theirs, row.quantity.value())
-    printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
-    others = {f"L{n:03}" for n in (5, 50, 58, 92, 93, 94, 137, 155, 179, 191, 194, 203, 209, 246)}
-    assert printed - {row.claim for row in ROWS} <= others
-
-
-def _rounded_as(theirs: str, value: CertifiableReal) -> Fraction:
-    """The value, correctly rounded to as many digits as the decimal of the lesson has."""
-    digits = len(theirs.lstrip("-0.").replace(".", ""))
-    return Fraction(significant(value, max(1, digits)))
 
 
 def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
@@ -96,6 +76,20 @@ def test_new_claim_needs_its_proof_alone_and_one_that_is_missing_says_what_to_do
     of_one_file.add(["a"], [Entry(REQUIRED[0], "a", "first", "PROVED", "how")])
     told = f"without a proof: {', '.join(REQUIRED[1:13])} and {len(REQUIRED) - 13} more; {HOW_TO_ADD}"
     assert told in " ".join(of_one_file.text(200).split())
+
+
+def test_a_fact_read_by_name_fails_the_proof_of_a_claim_that_is_to_be_proved() -> None:
+    """Whatever value it has; what a count or a page reads meanwhile is read."""
+    for evidence, stopped in (*((known, True) for known in conftest.BY_DERIVATION), (COUNTED, False)):
+        marker = claim("L250", evidence=evidence, by="").mark
+        of: Any = SimpleNamespace(get_closest_marker=lambda name, marker=marker: marker)
+        during, facts = conftest.pytest_runtest_call(of), Facts("rk4")
+        next(during)
+        with pytest.raises(pytest.fail.Exception, match="reads the fact 'order', and no") if stopped else nullcontext():
+            assert facts.order == 4
+        assert facts.method.key == "rk4"
+        during.close()
+        assert facts.order == 4
 
 
 def test_ledger_refuses_two_values_under_one_id() -> None:

@@ -124,7 +124,7 @@ def test_symplectic_euler_is_implicit_for_a_nonseparable_energy() -> None:
 
 @claim("L048", evidence=PROVED, by="series, first term")
 def test_symplectic_euler_has_order_one_and_not_two() -> None:
-    """Symplectic Euler is of first order: on this oscillator its step leaves the flow at h², by ((-½, 0), (0, ½))h²."""
+    """On this oscillator symplectic Euler is of first order: a step leaves the flow at h², by ((-½, 0), (0, ½))h²."""
     from proofs.derivations.convergence import local_error
 
     error = local_error(M(SYMPLECTIC))
@@ -179,7 +179,7 @@ def test_rk4_times_are_start_middle_middle_end() -> None:
 
 @claim("L062", evidence=PROVED, by="stages differ from result")
 def test_intermediate_states_are_not_the_result() -> None:
-    """The states at which RK4 asks for rates are predictions: none of them is the state that the step returns."""
+    """The states at which RK4 asks for rates are predictions: as polynomials, none of them is the state returned."""
     result = step_of(RK4)
     asked = [(-kv, kq) for kq, kv in rk4_slopes()]
     assert all(state != result for state in asked)

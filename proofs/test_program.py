@@ -93,7 +93,7 @@ def test_listing_of_the_lesson_prints_the_same_digits(tmp_path: Path) -> None:
 
 @claim("L203", evidence=PROVED, by="dyadic step")
 def test_whole_number_of_quarters_is_ten() -> None:
-    """Each method starts afresh, and forty steps of 1/4 make exactly 10, in floats too, because 1/4 is dyadic."""
+    """In our program each method starts afresh; forty steps of 1/4 make exactly 10, in floats too: 1/4 is dyadic."""
     assert step_count(END, DEFAULT_H) * DEFAULT_H == END
     assert Q(0.25) == DEFAULT_H
     assert Q(40 * 0.25) == END

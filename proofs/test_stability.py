@@ -11,7 +11,7 @@ from driftproof.numeric.scenes import LARGEST_LESSON_H
 from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
-from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
+from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression
 from driftproof.symbolic.derivation.stability import (
     LAMBDA,
     AtStep,
@@ -23,7 +23,7 @@ from driftproof.symbolic.derivation.stability import (
 from proofs.claims import CERTIFIED, PROVED, claim
 from proofs.derivations.physical import one_step_with_frequency
 from proofs.derivations.signs import in_square_of_h, is_positive_between, rises_from_zero, roots_between
-from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, Real, energy, state_after
+from proofs.setting import EULER, RK4, START, SYMPLECTIC, M, Real, energy, state_after
 
 h = expression(H)
 
@@ -211,10 +211,3 @@ def test_higher_order_is_neither_exact_nor_unrestricted() -> None:
     assert rises_from_zero(position - sympy.cos(h), h)
     assert not rises_from_zero(expression(M(EULER).to_list()[0][0]) - sympy.cos(h) - h**2 / 2, h)
     assert is_positive_between(in_square_of_h(energy_multiplier(M(RK4)) - 1), Q(8), None)
-
-
-def test_growth_at_boundary_scene_is_linear_not_exponential() -> None:
-    """In the preset at the Jordan block the energies are 4n² + 2n + ½: growth that is polynomial, not exponential."""
-    energies = [energy(*state_after(SYMPLECTIC, n, BOUNDARY_H)) for n in range(6)]
-    assert energies == [4 * n * n + 2 * n + Q(1, 2) for n in range(6)]
-    assert M(SYMPLECTIC) != matrix([[1, 0], [0, 1]])

@@ -11,33 +11,50 @@ from typing import Any
 import pytest
 
 from driftproof import check
+from driftproof.texts.claims.claims import read_claims
 from driftproof.texts.values import published
 from proofs import sentences
-from proofs.printed import ROWS
-from proofs.sentences import INVENTORY, LESSON, changes, lines_read, placed, to_do
+from proofs.claims import verifiable_otherwise
+from proofs.printed import ROWS, slips_of
+from proofs.sentences import LESSON, changes, inventory, lines_read, placed, to_do
 
 CLAIMS = Path(__file__).parent / "lesson" / "claims.toml"
 BESIDE = pytest.mark.skipif(not LESSON.exists(), reason=f"the lesson's text is not beside this checkout, as {LESSON}")
 
 
 @pytest.fixture(autouse=True)
-def proved_values(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, values_so_far: Any) -> None:
-    """Published values are those that this run has proved: the file is written only after it."""
+def numbers_proved(monkeypatch: pytest.MonkeyPatch, values_so_far: Any) -> dict[str, tuple[str, str]]:
+    """The text and the decimal of the number of each claim; published are those that this run has proved.
+
+    The file is written only after it.
+    """
     document, entries = published._document(), published.published_values()
     proved = {value["id"]: {**entries.get(value["id"], {}), **value} for value in values_so_far}
     monkeypatch.setattr(published, "_document", lambda: {**document, "values": {**entries, **proved}})
+    numbers = {key: (text, one["decimal"]) for one in entries.values() for key, text in one["printed"].items()}
+    return numbers | {value["claim"]: (value["text"], value["decimal"]) for value in values_so_far}
 
 
 @BESIDE
-def test_the_lesson_has_the_words_that_were_read_and_the_numbers_that_are_proved() -> None:
+def test_the_lesson_has_the_words_that_were_read_and_the_numbers_that_are_proved(
+    numbers_proved: dict[str, tuple[str, str]],
+) -> None:
     """A sentence that has changed is named, for a proof cannot tell that it proves another one; so is a wrong number.
 
-    A number is right if it is the value that a proof publishes, or that a question asks for; none is left out.
+    A number is right if it is the value that a proof publishes, or that a question asks for; none is left out. The
+    list of statements has the same numbers, and calls the same statements verifiable.
     """
-    text, report = LESSON.read_text(encoding="utf-8"), check(LESSON, CLAIMS, coverage=True)
-    told = to_do(text, json.loads(INVENTORY.read_text(encoding="utf-8"))["claims"])
-    if not report.passed:
-        told += [f"{report}", f"A new number wants a claim in {CLAIMS.name}, and a row in proofs/printed.py."]
+    try:
+        listed = inventory()
+        told = to_do(LESSON.read_text(encoding="utf-8"), listed)
+        told += verifiable_otherwise(listed)
+        told += [slip for entry in listed for slip in slips_of(entry, numbers_proved)]
+        report = check(LESSON, CLAIMS, coverage=True)
+        if not report.passed:
+            wanted = f"A new number wants a claim in proofs/lesson/{CLAIMS.name}, and, if it is a value, a row in"
+            told += [f"{report}", f"{wanted} proofs/printed.py."]
+    except ValueError as slip:  # a list cannot be read
+        told = [str(slip)]
     if told:
         pytest.fail("\n".join(told), pytrace=False)
 
@@ -45,6 +62,10 @@ def test_the_lesson_has_the_words_that_were_read_and_the_numbers_that_are_proved
 @BESIDE
 def test_a_wrong_number_of_the_lesson_is_noticed(tmp_path: Path) -> None:
     """Everywhere that the lesson prints one of its three longest, and nowhere else is anything changed."""
+    try:
+        read_claims(CLAIMS)
+    except ValueError as slip:
+        pytest.skip(f"the test before says so: {slip}")
     text, copy = LESSON.read_text(encoding="utf-8"), tmp_path / LESSON.name
     longest = sorted({row.text for row in ROWS if row.text in text}, key=lambda number: (len(number), number))[-3:]
     places = [(found.end(), number) for number in longest for found in re.finditer(re.escape(number), text)]
@@ -72,8 +93,9 @@ def lines(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[list[str]
     lines_read.cache_clear()
 
 
-def _entries(stated: list[tuple[str, int, str]]) -> list[dict[str, Any]]:
-    return [{"id": key, "line": line, "quote": quote} for key, line, quote in stated]
+def _entries(stated: list[tuple[str, int, str]], **more: Any) -> list[dict[str, Any]]:
+    same = {"verifiable": True, "printed": None, "decimal": None} | more
+    return [{"id": key, "line": line, "quote": quote, **same} for key, line, quote in stated]
 
 
 def _record(text: str, stated: list[tuple[str, int, str]]) -> int:
@@ -102,9 +124,20 @@ def test_places_are_told_apart_and_lines_that_moved_are_told(lines: list[str]) -
         ([FALSE_LINE] * 3, [f"lines 4 to 6: {of_6}"]),
     ):
         assert changes("\n".join([*lines[:3], *instead, *lines[6:]])) == told
-    moved = to_do("\n".join(["", *lines]), _entries(STATED))
-    assert moved[0] == "line 2: its words are as before, but ledger.md has them in line 1"
-    assert len(moved) == 2
+    record = "To record that, run python -m proofs.sentences."
+    for after, told in (
+        (["", *lines], "line 1 is line 2 now, its words as before: L901"),
+        (
+            last_is_first := [lines[5], "", *lines[:5], *lines[7:]],
+            "line 6 is line 1 now, its words as before: L903, L904",
+        ),
+    ):
+        assert to_do("\n".join(after), _entries(STATED)) == [told, record]
+    assert _record("\n".join(last_is_first), STATED) == 0
+    lines_read.cache_clear()
+    assert [line.claims for line in lines_read() if line.claims] == [("L903", "L904"), ("L901",), ("L902",)]
+    assert _record(WORDS, STATED) == 0
+    lines_read.cache_clear()
     assert to_do(WORDS, _entries(STATED)) == []
 
 
@@ -122,13 +155,73 @@ def test_statements_stand_where_their_words_do(lines: list[str]) -> None:
         assert told == f"{lost} is gone"
 
 
-def test_a_new_line_is_asked_for_a_statement_and_an_id_stands_once(lines: list[str]) -> None:
-    """A sentence that is new is shown with what to do; no statement takes the id of another one."""
-    new, twice = "\n".join([*lines, "", FALSE_LINE]), [*STATED, ("L901", 10, FALSE_LINE)]
+def test_a_new_line_is_asked_for_a_statement(lines: list[str]) -> None:
+    """A sentence that is new is shown with what to do."""
+    new = "\n".join([*lines, "", FALSE_LINE])
     assert any(f"line 10: {FALSE_LINE[:40]!r}"[:-1] in told for told in to_do(new, _entries(STATED)))
-    assert _record(new, twice) == 1
-    assert "L901: a second statement of this id" in placed(new, _entries(twice))[1][0]
     assert _record(new, [*STATED, ("L905", 10, FALSE_LINE)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "told"),
+    [
+        ('"line": 3,', '"line": 3', ", line 1, column 145: Expecting ',' delimiter"),
+        ('{"claims"', '{"claim"', ': its entries are a list under "claims", as in {"claims": [...]}'),
+        (
+            '"id": "L902", ',
+            "",
+            ": entry 2, after L901 has no 'id'; an entry has id, line, quote, verifiable, printed, ",
+        ),
+        ('"L902"', '"L92"', ": L92: its 'id' is 'L92', and may be L and three digits"),
+        ('"L902"', '"L901"', ": L901 is the id of the entries 1 and 2, and may be of one"),
+        ('"line": 3', '"line": "3"', ": L902: its 'line' is '3', and may be the number of its line, or of its first "),
+        ('"40", "verifiable": true', '"40", "verifiable": "yes"', ": L902: its 'verifiable' is 'yes', and may be true"),
+        ('"printed": null', '"printed": 40', ": L901: its 'printed' is 40, and may be the number that it prints, as"),
+    ],
+)
+def test_a_slip_in_the_list_is_one_line(
+    right: str, wrong: str, told: str, lines: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is wrong, where, and what is allowed; nothing is written."""
+    text = sentences.INVENTORY.read_text(encoding="utf-8")
+    assert right in text
+    sentences.INVENTORY.write_text(text.replace(right, wrong, 1), encoding="utf-8")
+    assert sentences.main() == 1
+    shown = capsys.readouterr().err
+    assert shown.startswith(f"nothing written: INVENTORY{told}")
+    assert shown.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("quote", "printed", "decimal", "told"),
+    [
+        ("of 0.50", "0.50", "0.5000", []),
+        ("half of it", "0.50", None, []),
+        ("RK40.500.2", "0.50", None, []),
+        ("of 0.25", "0.50", "0.5", ["prints 0.50, which is not in its quote 'of 0.25'"]),
+        ("of 10.50", "0.50", None, ["prints 0.50, which is not in its quote"]),
+        ("of −0.50", "0.50", None, ["prints 0.50, which is not in its quote"]),
+        ("of 0.50", "0.50", "0.51", ["its decimal in claims.json is 0.51; to as many digits it is 0.50"]),
+        ("of 0.5", "0.5", None, ["in claims.json it prints 0.5; its proof, or a row of proofs/printed.py, 0.50"]),
+        ("of 0.50", None, None, ["in claims.json it prints no number; its proof"]),
+    ],
+)
+def test_a_number_of_the_list_is_that_of_its_quote_and_of_its_proof(
+    quote: str, printed: str | None, decimal: str | None, told: list[str]
+) -> None:
+    """As a whole, with its sign, except in the cells of a table that run together."""
+    (entry,) = _entries([("L901", 1, quote)], printed=printed, decimal=decimal)
+    found = list(slips_of(entry, {"L901": ("0.50", "0.5")}))
+    assert [words in each for each, words in zip(found, told, strict=True)] == [True] * len(told)
+
+
+def test_an_entry_that_is_new_or_verifiable_otherwise_is_named() -> None:
+    """With the file in which that is said."""
+    new, title, kept = _entries([("L901", 1, "Energy"), ("L001", 1, "A title"), ("L010", 1, "It grows.")])
+    told = list(verifiable_otherwise([new, title, {**kept, "verifiable": False}, kept]))
+    assert [each[:33] for each in told] == [
+        "L901: new in claims.json: run pyt", "L001: verifiable in claims.json, ", "L010: not verifiable in claims.js",
+    ]  # fmt: skip
 
 
 def test_a_statement_is_dropped_by_deleting_it_from_the_list(

@@ -71,7 +71,7 @@ def _product(a: list[Q], b: list[Q]) -> list[Q]:
 def test_float_runs_and_readouts_agree_with_exact_ones(
     key: str, sixty_fourths: int, steps: int, q: float, v: float
 ) -> None:
-    """A float run of N steps, and every readout, is within the derived bound of the exact one, for all three methods.
+    """Float runs of up to 200 steps, h < 2, |q|, |v| <= 1000 before, and all readouts, are within the derived bounds.
 
     The bound on the state is the theorem's; what the readouts add is derived beside each. h is a multiple of 1/64, so
     that N h is a float; for symplectic Euler h < 2, where the theorem holds.

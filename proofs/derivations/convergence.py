@@ -1,4 +1,4 @@
-"""Powers of M in closed form, and the error of one step, and at a fixed final time, as h goes to 0."""
+"""The error of one step, and at a fixed final time, as h goes to 0."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.formulas import as_matrix
-from driftproof.symbolic.derivation.one_step import RING, H, StepPolynomial, determinant, entries, expression, matrix
-from driftproof.symbolic.derivation.phase import leading_term, phase_per_step
+from driftproof.symbolic.derivation.one_step import RING, H, StepPolynomial, entries, matrix
+from driftproof.symbolic.derivation.phase import leading_term
 
 J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
 FINAL_TIME = sympy.Symbol("T")
-STEPS = sympy.Symbol("n", integer=True)
 
 
 def exact_flow_series(terms: int) -> DomainMatrix:
@@ -72,13 +70,3 @@ def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
     conjugated = J * c * J  # = -c on the commuting part, +c on the anticommuting part
     commuting, anticommuting = (c - conjugated) / 2, (c + conjugated) / 2
     return sympy.ImmutableMatrix(FINAL_TIME * rotation(FINAL_TIME) * commuting + sympy.sin(FINAL_TIME) * anticommuting)
-
-
-def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
-    """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
-
-    It holds wherever the two roots are complex, so that 0 < θ < π, by the Cayley-Hamilton theorem and induction on n.
-    """
-    rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
-    turned = sympy.sin(STEPS * theta) * as_matrix(m) - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
-    return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))

@@ -1,4 +1,4 @@
-"""Powers of M, and local and global error coefficients, against what exact runs do as h goes to 0, in balls."""
+"""Local and global error coefficients, against what exact runs do as h goes to 0, in balls."""
 
 from __future__ import annotations
 
@@ -18,16 +18,13 @@ from driftproof.symbolic.derivation.one_step import H, entries, matrix, matrix_a
 from driftproof.symbolic.runs import as_balls, power
 from proofs.derivations.convergence import (
     FINAL_TIME,
-    STEPS,
     J,
     LocalError,
-    closed_form,
     exact_flow_series,
     global_error_coefficient,
     local_error,
     rotation,
 )
-from tests.looping import exactly
 from tests.nine import NINE
 
 PRECISION = 400
@@ -118,30 +115,6 @@ def test_global_coefficient_satisfies_the_variational_equation() -> None:
     assert coefficient.diff(FINAL_TIME) - J * coefficient - rotation(FINAL_TIME) * c != sympy.zeros(
         2, 2
     )  # C does not commute with J
-
-
-@pytest.mark.parametrize("key", NINE)
-@pytest.mark.parametrize("n", [0, 1, 7, 100])
-def test_closed_form_is_the_power(key: str, n: int) -> None:
-    m, h = one_step_matrix(NINE[key]), Q(1, 2)
-    exact = power(matrix_at(m, h), n)
-    assert all(_encloses(form, x) for form, x in exactly(4, zip(_closed(key, n), exact, strict=True)))
-
-
-def test_closed_form_notices_one_step_too_few() -> None:
-    exact = power(matrix_at(one_step_matrix(NINE["rk4"]), Q(1, 2)), 7)
-    assert not all(_encloses(form, x) for form, x in zip(_closed("rk4", 6), exact, strict=True))
-
-
-def _closed(key: str, n: int) -> list[sympy.Expr]:
-    form = closed_form(one_step_matrix(NINE[key]))
-    return list(form.subs({STEPS: n, sympy.Symbol("h"): sympy.Rational(1, 2)}))
-
-
-def _encloses(form: sympy.Expr, x: Q) -> bool:
-    """The two agree to 10^-40, certified. A tie of both cannot be decided by balls, so a distance is."""
-    with ctx.workprec(300):
-        return bool(abs(enclose_expression(form) - enclose(Q(x))) < arb(10) ** -40)
 
 
 @given(st.integers(1, 20))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from fractions import Fraction as Q
+from pathlib import Path
 
 import pytest
 
@@ -28,6 +30,9 @@ def test_every_key_that_is_promised_is_a_fact_and_has_a_sentence() -> None:
     of_facts = [getattr(Facts, name) for name in (*FACTS, *ON_REQUEST) if hasattr(Facts, name)]
     assert len(of_facts) > 35
     assert all(fact.__doc__.rstrip().endswith(".") for fact in of_facts)
+    tests = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parents[1].rglob("*.py"))
+    untested = [name for name in (*FACTS, *ON_REQUEST) if not re.search(rf"\b{name}\b", tests)]
+    assert untested == [], "in no test, and called PROVED: compare it with an independent computation in tests/symbolic"
 
 
 def test_a_fact_is_an_exact_object_of_a_public_class() -> None:

@@ -25,10 +25,9 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")
 # Why a number in the code of a listing is a label unless some claim covers it.
 IN_PROGRAM = "an input of a program"
-# Characters of the text that are shown where only the beginning of a phrase was found.
+# Characters of the text that are shown where a phrase is not, but something like it.
 _SHOWN = 60
-# Digits of a number that stands at few places.
-_TELLING = 4
+_WORD = re.compile(r"\w[\w.]*(?<!\.)")
 # At most this many places with the shape of a phrase are compared, in the order of the text.
 _MOST_COMPARED = 2000
 # At most this many findings are reported for one claim: further ones would repeat them.
@@ -203,13 +202,8 @@ def _missing(
         ]
         yield Finding(claim.id, *document.position(at), written, written, f"{message}; it stands in {', '.join(own)}")
         return
-    in_any_case = re.compile(claim.phrase.shape(spellings)[0].pattern, re.IGNORECASE)
-    if capitals := None if any(claim.address) else in_any_case.search(flat):
-        place, shown = document.position(capitals.start()), capitals[0]
-        message += f"; {shown!r} differs in capitals"
-    else:
-        place, shown = _end(document, flat, written) or _beginning(document, flat, claim.address.row or written)
-        message += f"; closest is {shown!r}" if shown else ""
+    place, shown = _closest(document, flat, claim.address.row or written)
+    message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
 
 
@@ -241,23 +235,34 @@ def _is_under(document: Document, claim: Claim, start: int) -> bool:
     return head is None or tables_of(document.text.text).head_at(start).lower() == head.lower()
 
 
-def _end(document: Document, flat: str, written: str) -> tuple[Position, str] | None:
-    """The place of the longest run of last words of the phrase with a telling number, and the text there."""
-    for word in [*re.finditer(r"\S+", written)][1:]:
-        last = written[word.start() :].replace("\n", " ")
-        if len(re.sub("[^0-9]", "", last)) >= _TELLING and (at := flat.find(last)) >= 0:
-            begins = flat.find(" ", max(0, at - word.start() - 1), at) + 1
-            return document.position(at), _there(flat, begins, at + len(last))
-    return None
+def _closest(document: Document, flat: str, written: str) -> tuple[Position, str]:
+    """The place of as many words as the phrase has that share most with it, and are most alike, and the text there.
 
-
-def _beginning(document: Document, flat: str, written: str) -> tuple[Position, str]:
-    """The place of the longest run of first words of the phrase, and the text there; the start and "" for none."""
-    for word in reversed([*re.finditer(r"\S+", written)]):
-        at = flat.find(written[: word.end()].replace("\n", " "))
-        if at >= 0 and word.end() > 1:
-            return document.position(at), _there(flat, at, at + len(written))
-    return Position(1, 1), ""
+    It begins with them, or with the first that is shared; the start and "" if a third is shared, or less.
+    """
+    asked, words = Counter(_WORD.findall(written.lower())), [*_WORD.finditer(flat)]
+    of, lead = asked.total(), next((word.start() for word in _WORD.finditer(written)), 0)
+    within, shared, found = Counter[str](), 0, list[tuple[int, int]]()
+    for i, word in enumerate(said := [word[0].lower() for word in words]):
+        within[word] += 1
+        shared += within[word] <= asked[word]
+        if i >= of:
+            left = said[i - of]
+            shared -= within[left] <= asked[left]
+            within[left] -= 1
+        found.append((shared, max(0, i + 1 - of)))
+    most = max(found, default=(0, 0))[0]
+    starts = (
+        max(0, word.start() - lead)
+        for shared, i in found
+        if shared == most > of // 3
+        for word in (next(word for word in words[i:] if word[0].lower() in asked), words[i])
+    )
+    compared = {at: flat[at : at + len(written)] for at in islice(dict.fromkeys(starts), _MOST_COMPARED)}
+    if not compared:
+        return Position(1, 1), ""
+    at = max(compared, key=lambda at: SequenceMatcher(None, written, compared[at]).ratio())
+    return document.position(at), _there(flat, at, at + len(written)).rstrip()
 
 
 def _there(flat: str, start: int, end: int) -> str:

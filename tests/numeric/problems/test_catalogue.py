@@ -40,14 +40,6 @@ def test_matrix_times_the_state_is_the_rates_exactly(problem: Problem) -> None:
         assert f(None, (y[0] + 1, *y[1:])) != product
 
 
-@pytest.mark.parametrize("problem", SECOND_ORDER, ids=key)
-def test_second_order_problems_move_by_their_velocities_and_forces_do_not_read_those(problem: Problem) -> None:
-    half = len(problem.start) // 2
-    names = problem.field.components
-    assert problem.field.rates[:half] == names[half:]
-    assert all(partial_derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
-
-
 def energy_change(problem: Problem, energy: str, y: tuple[Fraction, ...]) -> arb:
     """dE/dt = Σ ∂E/∂yᵢ fᵢ in a ball."""
     names = problem.field.components
@@ -102,17 +94,23 @@ def test_every_problem_says_what_is_expected_of_some_class_of_method() -> None:
         assert set(problem.expected) <= FAMILIES
 
 
-def test_stiff_are_all_but_these() -> None:
+def test_none_of_these_is_stiff_and_half_of_all_are() -> None:
     gentle = ["dahlquist_1", "harmonic_oscillator", "critically_damped_oscillator", "henon_heiles"]
     gentle += ["kepler", "kepler_eccentric", "kepler_extreme", "pendulum", "pendulum_near_separatrix"]
-    assert sorted(problem.key for problem in PROBLEMS.values() if not problem.stiff) == sorted(gentle)
+    assert not any(PROBLEMS[key].stiff for key in gentle)
+    assert sum(problem.stiff for problem in PROBLEMS.values()) >= 17
 
 
-def test_those_of_second_order_and_those_that_conserve_an_energy_are_these() -> None:
-    mechanics = ["harmonic_oscillator", "stiff_oscillator", "separated_oscillators", "fermi_pasta_ulam", "henon_heiles"]
-    mechanics += ["kepler", "kepler_eccentric", "kepler_extreme", "pendulum", "pendulum_near_separatrix"]
-    for chosen in (SECOND_ORDER, CONSERVATIVE):
-        assert sorted(map(key, chosen)) == sorted(mechanics)
+def test_those_of_second_order_conserve_an_energy_and_all_that_could_be_are_said_to_be() -> None:
+    """A field whose first half of rates are the second half of y, as they are, is of second order, but for damping."""
+    assert CONSERVATIVE == SECOND_ORDER
+    assert len(SECOND_ORDER) >= 10
+    for problem in PROBLEMS.values():
+        half, names = len(problem.start) // 2, problem.field.components
+        is_one = problem.field.rates[:half] == names[half:] != () and all(
+            partial_derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:]
+        )
+        assert is_one == problem.second_order, problem.key
 
 
 def test_digits_file_holds_the_problems_and_no_others() -> None:
