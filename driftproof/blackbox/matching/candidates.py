@@ -12,6 +12,7 @@ import numpy as np
 
 from driftproof.blackbox.matching import tables
 from driftproof.blackbox.matching.tables import Array, FromExact, LiftedTableau, TableRow
+from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
@@ -25,6 +26,8 @@ _Change: TypeAlias = Callable[[Any, Any], Any]
 # Chosen: the most steps of a method in one that are looked for. Codes take two halves, as extrapolation does, or three
 # or four sub-steps; every further number costs a table of each method.
 MOST_REPEATED = 4
+# How near a solver comes by default; and the first denominator that is too large to be written as a fraction.
+_SOLVED_TO, _WRITTEN_OUT = 2.0**-36, 100
 EMBEDDED = "with the embedded weights propagated"
 
 
@@ -135,6 +138,26 @@ def on_force(method: Method) -> Candidate:
     if isinstance(method, Nystrom):
         return Candidate(method.key, "", partial(tables.induced_by_nystrom, method))
     return Candidate(method.key, "", _on_force(partial(tables.tableau_of, method)))
+
+
+def newmark(read: ExactTable) -> Iterator[Candidate]:
+    """Yield Newmark's method with the beta and gamma of a table of two stages; nothing for another table."""
+    if read.calls != 2:
+        return
+    last = int(np.argmax(read.node_values))
+    seen = (Fraction(read.entries[row][last].value) for row in (2, 3))
+    beta, gamma = (simple_rational(x, _SOLVED_TO) or x for x in seen)
+    half = Fraction(1, 2)
+
+    def recipe(lift: FromExact) -> tuple[StageCoefficients, Any]:
+        ends = [lift(half - beta), lift(beta)]
+        rows = [[lift(Fraction(0))] * 2, ends]
+        return tables.stages(
+            rows, (ends, [lift(1 - gamma), lift(gamma)]), [lift(Fraction(0)), lift(Fraction(1))]
+        ), lift(1)
+
+    shown = (str(x) if x.denominator < _WRITTEN_OUT else short_rational(x) for x in (beta, gamma))
+    yield Candidate("newmark", "with beta = {} and gamma = {}".format(*shown), recipe)
 
 
 def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit: bool) -> Iterator[Candidate]:

@@ -114,7 +114,7 @@ def match_forces(reading: ForceReading) -> Identity:
     """
     read = _Read.of(reading)
     if reading.implicit:
-        return _identity(read, candidates.force_methods(implicit=True), (), ())
+        return _identity(read, candidates.force_methods(implicit=True), candidates.newmark(read.small), ())
     variants = candidates.force_variants(read.small.calls, _factor((reading.drift,), read.rounding))
     return _identity(read, candidates.force_methods(), variants, near_misses(reading))
 

@@ -6,11 +6,12 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.blackbox.matching.candidates import field_variants, force_variants
+from driftproof.blackbox.matching.candidates import ExactTable, field_variants, force_variants, newmark
 from driftproof.blackbox.matching.match import match_forces
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import in_field, on_force
 
@@ -128,3 +129,25 @@ def test_a_variant_with_a_wrong_coefficient_is_none():
     wrong = codes.tableau(rows, weights, nodes)
     assert in_field(codes.repeated(wrong, 2)).matches == ()
     assert in_field(with_step(wrong, 0.5)).matches == ()
+
+
+# To 2**-36, as solvers come by default, a number is told as a fraction; from a denominator of 100 on in decimals.
+@pytest.mark.parametrize(
+    ("beta", "gamma", "words"),
+    [
+        (Q(25, 99), Q(51, 100), "with beta = 25/99 and gamma = 0.51"),
+        (Q(1, 3) + Q(0.99 * 2.0**-36), Q(1, 2), "with beta = 1/3 and gamma = 1/2"),
+        (Q(1, 3) + Q(1.01 * 2.0**-36), Q(1, 2), "with beta = 0.3333333333480308 and gamma = 1/2"),
+    ],
+)
+def test_newmark_is_told_with_its_numbers_and_has_their_table(beta, gamma, words):
+    at_start, at_end = (Q(0), Q(0)), (Q(1, 2) - beta, beta)
+    weights, nodes = (at_end, (1 - gamma, gamma)), (Q(0), Q(1))
+    (found,) = newmark(ExactTable.of(StageCoefficients((at_start, at_end), weights, nodes), Q(1)))
+    assert (found.key, found.relation) == ("newmark", words)
+    assert abs(found.raw.values - [[float(x) for x in row] for row in (at_start, at_end, *weights)]).max() < 2.0**-36
+    assert (found.raw.nodes, found.raw.drift) == (nodes, 1)
+    turned = StageCoefficients((at_end[::-1], at_start), tuple(row[::-1] for row in weights), nodes[::-1])
+    assert [each.relation for each in newmark(ExactTable.of(turned, Q(1)))] == [words]
+    nothing = StageCoefficients((at_start * 2,) * 4, (at_start * 2,) * 2, at_start * 2)
+    assert not [*newmark(ExactTable.of(nothing, Q(1)))]

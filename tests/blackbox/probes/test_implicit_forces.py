@@ -102,7 +102,8 @@ def late(force, x, v, dt):
 
 VERDICTS = [
     (scalar(), "it is trapezoid"), (scalar(solver="newton"), "it is trapezoid"),
-    (scalar(0.3, solver="newton"), "it is not a known method, but has 2 implicit stages and order 2"),
+    (scalar(1 / 6), "it is newmark, with beta = 1/6 and gamma = 1/2"),
+    (scalar(0.3, 0.55, solver="newton"), "it is newmark, with beta = 3/10 and gamma = 11/20"),
     (midpoint, "it is implicit_midpoint"), (half_implicit, "it is velocity_verlet"),
 ]  # fmt: skip
 
