@@ -25,7 +25,7 @@ from driftproof.blackbox.findings import (
     arithmetic_of,
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
-from driftproof.blackbox.judging.given_steps import GivenSteps
+from driftproof.blackbox.judging.given_steps import BEFORE, GivenSteps
 from driftproof.blackbox.judging.own_steps import OwnSteps
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
@@ -68,6 +68,14 @@ class LeftAtOne(OwnSystem):
     """Parameters of the step are set to 1, as the system given does not take them."""
 
 
+class PushedUnusually(OwnSystem):
+    """The force depends on the velocity, and is asked with none of the usual ones."""
+
+
+class Unpaired(OwnSystem):
+    """It has numbers that are neither positions nor velocities."""
+
+
 class NoClock(OwnSystem):
     """The system given depends on a time that the step does not take."""
 
@@ -77,6 +85,8 @@ _MISSING = {
     OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
     LeftAtOne.kind: "a system that takes them besides y, for other values",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
+    PushedUnusually.kind: "a step that takes its force, step(force, q, v, h), or a step and a system without the drag",
+    Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these",
     CRASHES: "a step that leaves its process alone",
     **NO_EVIDENCE,
 }
@@ -243,13 +253,17 @@ def _held(
 def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> StepFinding:
     """Compare steps of a built-in system with the method's on the one given. Raises OwnSystem where that is open."""
     steps, words = _held(subject, wanted, system)
+    method = of_one_state(wanted.method)
     try:
         found = steps.near(wanted, words)
     except MethodError as why_not:
-        raise OwnSystem(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
-    if not found.holds and steps.pushed and isinstance(of_one_state(wanted.method), Splitting):
+        kind = Unpaired if steps.size % 2 and isinstance(method, Splitting) else OwnSystem
+        raise kind(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
+    if not found.holds and isinstance(method, Splitting) and steps.pushed:
+        if otherwise := steps.moved_otherwise(method):
+            raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")
         order = ", where all positions come before all velocities" * (steps.size > 2 and steps.halves[0].step is None)
-        raise OwnSystem(f"its force depends on the velocity{order}, and with that before each kick {found.words}")
+        raise PushedUnusually(f"its force depends on the velocity{order}, and with that {BEFORE} {found.words}")
     if found.holds and steps.untimed:
         seen = f"at t = 0, which alone is seen, it {found.words}"
         raise NoClock(f"the system given depends on t, which the step does not take: {seen}")

@@ -14,7 +14,7 @@ from math import copysign
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 if TYPE_CHECKING:
-    from flint import arb, fmpq, fmpq_mat
+    from flint import arb, fmpq
 
 # Chosen far above any published method: the time of an operation grows with the square of the degree.
 LARGEST_FIELD_DEGREE = 12
@@ -73,8 +73,11 @@ class NumberField:
         return self.roots or ((self, 1, (Fraction(0), Fraction(1))),)
 
     @cached_property
-    def basis(self) -> tuple[list[str], fmpq_mat]:
-        """A basis of products of powers of the summands, as text ("" for 1), and the matrix from 1, α, ... to it."""
+    def basis(self) -> tuple[list[str], list[list[fmpq]]]:
+        """A basis of products of powers of the summands, as text ("" for 1), and the matrix from 1, α, ... to it.
+
+        Its rows are lists, since methods are sent to isolated processes, and matrices cannot be.
+        """
         from flint import fmpq_mat
 
         names, rows = [""], [self.generator**0]
@@ -86,7 +89,8 @@ class NumberField:
                     break
                 factor = root.name if power == 1 else f"({root.name})**{power}"
                 names, rows = names + [f"{name}*{factor}".strip("*") for name, _ in start], rows + more
-        return names, fmpq_mat([x.parts for x in rows]).inv()
+        rows_of_inverse: list[list[fmpq]] = fmpq_mat([x.parts for x in rows]).inv().table()
+        return names, rows_of_inverse
 
     def ball(self) -> arb:
         """A ball around α, at Arb's current precision."""
@@ -305,7 +309,7 @@ class Algebraic(ScalarExtension):
         from flint import fmpq_mat
 
         text, (names, change) = "", self.field.basis
-        for c, root in zip((fmpq_mat([self.parts]) * change).entries(), names, strict=True):
+        for c, root in zip((fmpq_mat([self.parts]) * fmpq_mat(change)).entries(), names, strict=True):
             if c:
                 body = str(abs(c)) if not root else root if abs(c) == 1 else f"{abs(c)}*{root}"
                 sign = "-" if c < 0 else "+"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import sys
 from collections.abc import Callable
 from fractions import Fraction as Q
@@ -190,6 +191,7 @@ def test_numbers_print_as_sums_of_powers() -> None:
     assert str(-r) == "-sqrt(3)"
     assert str(w**2 - w + 1) == "1 - 2**(1/3) + (2**(1/3))**2"
     assert str(r - r) == "0"
+    assert pickle.loads(pickle.dumps(r)) == r  # as methods are sent to isolated processes, also when they were shown
     both, cubic = (in_one_field([square_root(2), other]) for other in (square_root(6), w))
     assert str(both[0] * both[1] + both[1] - 1) == "-1 + sqrt(6) + sqrt(2)*sqrt(6)"
     assert str(cubic[0] * cubic[1] ** 2 / 3) == "1/3*sqrt(2)*(2**(1/3))**2"

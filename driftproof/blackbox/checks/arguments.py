@@ -46,9 +46,10 @@ def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    came: list[adapters.Foreign] = []
+    came, given = list[adapters.Foreign](), list[adapters.Foreign]()
 
     def recorded(*arguments: adapters.Foreign, **named: adapters.Foreign) -> adapters.Foreign:
+        given.extend([*arguments, *named.values()])
         came.append(subject.function(*arguments, **named))
         return came[-1]
 
@@ -68,6 +69,8 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
         return CheckResult("keeps_arguments", True, "its arguments are not changed"), *others
     in_place = "it writes its answer into its arguments and returns nothing"
     words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
+    if not log.works_in_place and any(each is answer for each in given):
+        words = "it changes its argument and returns it: the states of a run, kept in a list, are all the last one"
     return CheckResult("keeps_arguments", log.works_in_place, words, (trial,)), *others
 
 

@@ -145,6 +145,8 @@ def verify_family(runner: IsolatedRunner, method: Method | FurtherMethod | Boris
         other = read.verdict if checks[0].passed is False else failed.lines[0]
         but = f"is {method.key}, but " if failed.title == ESTIMATE else f"is not {method.key}"
         verdict = f"{but}{'; ' if checks[0].passed is False else ': ' * (failed.title != ESTIMATE)}{other}"
+        if failed is checks[0] and not read.named and (differences := failed.data.get("differences")):
+            verdict += f": {differences[0]}"
         data["instead"] = read.data
     elif passed is None:
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from math import cos, pi, sqrt
 from random import Random
@@ -41,6 +41,12 @@ _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
 # ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
 _FARTHER, _SMALL = 4, 2.0**-10
+# The velocities with which forces that depend on them are usually asked: the first is tried first.
+BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
+_AFTER, _ROUNDS = "before each kick but the last, and there with that after it", 100
+# Positions end at q + h v + c h**2 F and further powers of h, of which steps of this part of the system's own time, its
+# half and its quarter show two: what these leave is less than what the second of them changes.
+_HALVED = 2.0**-8
 
 
 class Beside(NamedTuple):
@@ -61,6 +67,7 @@ class GivenSteps(OwnSteps):
     """The steps of a stepper, and the slopes of the system that it should have."""
 
     rates: Callable[[float, Sequence[float]], list[float]] = lambda t, y: [*y]
+    asked: str = ""
 
     @cached_property
     def problem(self) -> NonlinearProblem:
@@ -114,20 +121,78 @@ class GivenSteps(OwnSteps):
         return False
 
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
-        """The method's step; of a splitting, each part asks where the one before it ends."""
+        """The method's step; of a splitting, each part asks where the one before it ends, with the usual velocity."""
         if isinstance(method, RungeKutta | Collocation):
             return table_step(method, self.rates, t, y, h, _SETTLED)
         if not isinstance(method, Splitting):
             return super().step(method, t, y, h)
         if self.size % 2:
             raise MethodError(f"{self.size} numbers are not as many positions as velocities")
-        moved = t
+        moved, v, way = t, self.halves[1], self.way(method)
         end: Array = np.array(y, dtype=float)
-        for kind, share in method.parts:
-            part = self.halves[kind == "kick"]
-            end[part] += float(share) * h * np.array(self.rates(moved, end.tolist()))[part]
+        last = max((i for i, (kind, _) in enumerate(method.parts) if kind == "kick"), default=0)
+        for i, (kind, share) in enumerate(method.parts):
+            part, at = self.halves[kind == "kick"], end.copy()
+            if kind == "kick" and way == _PREDICTED:
+                at[v] = np.array(y)[v] + (moved - t) * np.array(self.rates(t, y))[v]
+            new = end[part] + float(share) * h * np.array(self.rates(moved, at.tolist()))[part]
+            for _ in range(_ROUNDS if way == _AFTER and i == last else 0):
+                at[v], before = new, new
+                new = end[v] + float(share) * h * np.array(self.rates(moved, at.tolist()))[v]
+                if np.abs(new - before).max() <= _SETTLED * np.abs(new).max():
+                    break
+            end[part] = new
             moved += float(share) * h * (kind != "kick")
         return [float(x) for x in end]
+
+    def way(self, method: Splitting) -> str:
+        """The velocities that its force is asked with, if it depends on them: the first that a step agrees with."""
+        return self.asked or (self._way(method) if self.pushed else BEFORE)
+
+    @cached_property
+    def _way(self) -> Callable[[Splitting], str]:
+        return cache(self._fitting)
+
+    def _fitting(self, method: Splitting) -> str:
+        for way in (BEFORE, _PREDICTED, _AFTER):
+            with suppress(Misbehaviour, ArithmeticError):
+                h, y = self.unit * COMPARED[0], self.states[0]
+                if self.apart(y, self.end(0.0, y, h), replace(self, asked=way).step(method, 0.0, y, h)) <= self.half:
+                    return way
+        return BEFORE
+
+    def moved_otherwise(self, method: Splitting) -> str:
+        """How positions end otherwise than in q + h v + c h**2 F of the method, whatever velocities F is asked with.
+
+        What F has less at rest may enter with another weight than c, the same for all positions, as where it is a part
+        of its own. "" if positions end so, or if that is not seen.
+        """
+        (q, v), kicked, c = self.halves, 0.0, 0.0
+        for kind, part in method.parts:
+            kicked += float(part) * (kind == "kick")
+            c += float(part) * kicked * (kind != "kick")
+        rows, h = list[tuple[Array, ...]](), self.unit * _HALVED
+        with suppress(Misbehaviour, ArithmeticError):
+            for y in self.states:
+                at, rest = np.array(y), np.array(y)
+                rest[v] = 0
+                slopes, force = np.array(self.rates(0.0, y)), np.array(self.rates(0.0, rest.tolist()))[v]
+                if not np.array_equal(slopes[q], at[v]):
+                    return ""
+                thrice = (h, h / 2, h / 4)
+                first, second, third = ((np.array(self.end(0.0, y, x))[q] - at[q] - x * at[v]) / x**2 for x in thrice)
+                once, again = 2 * second - first, 2 * third - second
+                rows.append(((4 * again - once) / 3, np.abs(again - once), force, slopes[v] - force))
+            seen, unsure, plain, drag = (np.array(each) for each in zip(*rows, strict=True))
+            left = seen - c * plain
+            off = left - drag * (left * drag).sum() / ((drag**2).sum() or 1.0)
+            rounded = 16 * float(self.subject.format.u) * np.abs(self.states).max() / thrice[-1] ** 2
+            if np.linalg.norm(off) > 4 * np.linalg.norm(unsure) + rounded * off.size:
+                n = int(np.abs(off).max(axis=1).argmax())
+                shown = (self.states[n], seen[n], c * (plain[n] + drag[n]))
+                start, here, told = (", ".join(f"{x:.4g}" for x in numbers) for numbers in shown)
+                return f"from ({start}) positions move by h v + h**2 ({here}), in {method.key} by h v + h**2 ({told})"
+        return ""
 
     def _number(self, x: float) -> float:
         """The number of the stepper's format nearest to x."""
@@ -140,7 +205,8 @@ class GivenSteps(OwnSteps):
         def off(numbers: Iterable[float]) -> list[float]:
             return [x * (1 + u * draw.uniform(-1, 1)) for x in numbers]
 
-        unsure = replace(self, rates=lambda t, y: off(self.rates(off([t])[0], off(y))))
+        way = self.way(method) if isinstance(method, Splitting) else ""
+        unsure = replace(self, rates=lambda t, y: off(self.rates(off([t])[0], off(y))), asked=way)
         return off(unsure.step(method, t, off(y), h))
 
     def _jumps(self, method: Method, t: float, y: Sequence[float], h: float, off: Array, draw: Random) -> Array:
@@ -214,7 +280,9 @@ class GivenSteps(OwnSteps):
         if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
         splits = isinstance(of_one_state(wanted.method), Splitting)
-        pushed = ", its force asked with the velocity before each kick" * (splits and self.pushed)
+        pushed = ""
+        if isinstance(method := of_one_state(wanted.method), Splitting) and self.pushed:
+            pushed = f", its force asked with the velocity {self.way(method)}"
         off = max(one.off for one in found)
         digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
         turns = ", with velocities between positions" * (splits and self.halves != super().halves)

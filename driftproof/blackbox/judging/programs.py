@@ -1,4 +1,4 @@
-"""Programs of explicit methods, line by line as in a paper; and each with one mistake in a line or a coefficient."""
+"""Programs of methods, line by line as in a paper; and each with one mistake in a line, a coefficient or a solver."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import accumulate, chain
+from itertools import accumulate, chain, combinations, product
 from types import CodeType
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.coefficients import exact_shown
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import counted
 
 Lines: TypeAlias = tuple[str, ...]
 # The coefficients by name: "a" is a list of rows, the others are rows.
@@ -25,6 +26,14 @@ Tables: TypeAlias = dict[str, Any]
 _PARTS = {"d": "{0} {1}", "c": "the time of {0} {1}"}
 _WEIGHTS = {"b_position": "the weight of k[{1}] in q1", "b_velocity": "the weight of k[{1}] in v1"}
 _WEIGHTS["c"] = "the time of k[{1}]"
+# The lines of an implicit method are gone through until its end changes by no more than this part, ten bits below the
+# half of the digits to which ends are compared; stages that contract by 3/4 in each round, as where methods are
+# compared on a system, need 87 rounds.
+_SETTLED, _ROUNDS = 2.0**-36, 87
+# Chosen: the most iterations by which stages are said to be solved, and the most unknowns of Newton's.
+_FEW, _MOST_UNKNOWNS = 4, 24
+# The part of a state by which difference quotients move it: they are off by its square, less than half of the digits.
+_ASIDE = 2.0**-16
 
 
 class StepSeen(NamedTuple):
@@ -44,13 +53,16 @@ class Program:
     A Runge-Kutta method has the states Y[i] and slopes k[i] of y and ends with y1; a Nyström method has Q[i] and k[i],
     and ends with q1 and v1; a splitting goes from q[0] and v[0] to q[-1] and v[-1]. Of numbers y, the positions and the
     velocities stand in `halves`; the force F does not depend on the velocity. Where `timed`, slopes are asked with
-    their times.
+    their times. The lines of an `implicit` method are gone through from k[i] = f(y) until y1 stays as it is, or, if
+    `rounds` is not 0, so many times.
     """
 
     lines: Lines
     tables: Tables
     timed: bool = False
     halves: tuple[slice, slice] = (slice(None, 1), slice(1, None))
+    implicit: bool = False
+    rounds: int = 0
 
     @cached_property
     def _ready(self) -> tuple[CodeType, Tables]:
@@ -59,7 +71,7 @@ class Program:
         return compile("\n".join(self.lines), "<step>", "exec"), tables
 
     def end(self, taken: StepSeen) -> list[float]:
-        """The end of the step that starts as the one taken does."""
+        """The end of the step that starts as the one taken does. Raises ArithmeticError if stages do not settle."""
         y: Array = np.array(taken.y, dtype=float)
         room, (positions, velocities), (code, tables) = [None] * len(self.lines), self.halves, self._ready
 
@@ -85,7 +97,16 @@ class Program:
         known |= {"y": y, "in_turn": in_turn, "q_only": joined(1.0, 0.0), "v_only": joined(0.0, 1.0)}
         known["f"] = lambda y, t=taken.t: slopes(t, y)
         known["F"] = lambda q, t=taken.t: slopes(t, joined(q, v))[velocities]
+        if self.implicit:
+            known |= {"k": [slopes(taken.t, y)] * len(self.lines), "Y": [y] * len(self.lines)}
         exec(code, known)
+        for _ in range((self.rounds or _ROUNDS) - 1 if self.implicit else 0):
+            before = known["y1"]
+            exec(code, known)
+            if settled := np.abs(known["y1"] - before).max() <= _SETTLED * np.abs(known["y1"]).max():
+                break
+        if self.implicit and not (self.rounds or settled):
+            raise ArithmeticError("stages do not settle")
         if "y1" not in known:
             known["y1"] = joined(*((known["q1"], known["v1"]) if "q1" in known else (known["q"][-1], known["v"][-1])))
         return [float(x) for x in known["y1"]]
@@ -96,23 +117,28 @@ def _floats(row: Sequence[Any]) -> list[Any]:
 
 
 def programs_of(method: Method, timed: bool = False) -> list[Program]:
-    """The programs of an explicit method: as its definition says, and one without a velocity in the middle.
+    """The programs of a method: as its definition says, and one without a velocity in the middle.
 
-    Where `timed`, slopes are asked with their times.
+    An implicit one that ends at its last stage has one that says so. Where `timed`, slopes are asked with their times.
     """
     if isinstance(method, Splitting):
         return [*_programs_of_splitting(method, timed)]
-    assert isinstance(method, RungeKutta | Nystrom)
-    tables: Tables = {"a": method.a, "c": method.c}
+    assert isinstance(method, RungeKutta | Collocation | Nystrom)
+    a, b, c = (method.a, (), method.c) if isinstance(method, Nystrom) else exact_tableau(method)
+    tables: Tables = {"a": a, "c": c}
     lines: list[str] = []
-    for i, weights in enumerate(method.a):
+    for i, weights in enumerate(a):
         pushes, at = _sum(f"a[{i}]", weights), _time(i, timed)
-        if isinstance(method, RungeKutta):
-            lines += [f"Y[{i}] = y" + f" + h * {pushes}" * bool(pushes), f"k[{i}] = f(Y[{i}]{at})"]
-        else:
+        if isinstance(method, Nystrom):
             lines += [f"Q[{i}] = q + h * c[{i}] * v" + f" + h * h * {pushes}" * bool(pushes), f"k[{i}] = F(Q[{i}]{at})"]
-    if isinstance(method, RungeKutta):
-        return [Program((*lines, f"y1 = y + h * {_sum('b', method.b)}"), {**tables, "b": method.b}, timed)]
+        else:
+            lines += [f"Y[{i}] = y" + f" + h * {pushes}" * bool(pushes), f"k[{i}] = f(Y[{i}]{at})"]
+    if not isinstance(method, Nystrom):
+        ends = [f"y1 = Y[{len(a) - 1}]"] * (not method.explicit and _floats(a[-1]) == _floats(b)) + [
+            f"y1 = y + h * {_sum('b', b)}"
+        ]
+        whole = Program((), {**tables, "b": b}, timed, implicit=not method.explicit)
+        return [replace(whole, lines=(*lines, end)) for end in ends]
     tables |= {"b_position": method.b_position, "b_velocity": method.b_velocity}
     moved = f"v1 = v + h * {_sum('b_velocity', method.b_velocity)}"
     lines += [moved, f"q1 = q + h * v + h * h * {_sum('b_position', method.b_position)}"]
@@ -167,19 +193,79 @@ def edits(method: Method, program: Program, pair: bool) -> Iterator[tuple[str, L
     """
     whole = program.lines
     for at, line in enumerate(whole):
-        before = whole[:at]
+        before = whole if program.implicit else whole[:at]
         wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
-        for words, *lines in wrong:
+        for words, *lines in chain(wrong, _exchanged(line)):
             if pair or "_only" not in "".join(lines):
-                yield words, (*before, *lines, *whole[at + 1 :])
+                yield words, (*whole[:at], *lines, *whole[at + 1 :])
     if "d" in program.tables:
         assert isinstance(method, Splitting)
         for i in range(len(method.parts) - 1):
             order = [*range(i), i + 1, i, *range(i + 2, len(method.parts))]
             words = f"{method.parts[i][0]} {i} and {method.parts[i + 1][0]} {i + 1} are exchanged"
             yield words, _splitting_lines(order, method, program.timed)
-    elif isinstance(method, RungeKutta | Nystrom):
-        yield from _too_early(whole, method.stages, isinstance(method, RungeKutta), pair)
+    elif isinstance(method, RungeKutta | Collocation | Nystrom):
+        yield from _too_early(whole, method.stages, not isinstance(method, Nystrom), pair)
+
+
+@dataclass(frozen=True)
+class Unsettled:
+    """Stages of a method that so many of Newton's iterations solve, from y or from y + c[i] h f(y)."""
+
+    method: RungeKutta | Collocation
+    rounds: int
+    predicted: bool
+    anew: bool
+    called: bool
+    timed: bool
+
+    def end(self, taken: StepSeen) -> list[float]:
+        """The end of the step. Raises ArithmeticError if its equations are singular."""
+        a, b, c = (np.array(_floats(part)) for part in exact_tableau(self.method))
+        y: Array = np.array(taken.y, dtype=float)
+        times, shape = (taken.t + taken.h * c * self.timed).tolist(), (len(b), len(y))
+
+        def slopes(stages: Array) -> Array:
+            return np.array([taken.rate(t, row) for t, row in zip(times, stages.tolist(), strict=True)])
+
+        def gap(flat: Array) -> Array:
+            return flat - np.ravel(y + taken.h * a @ slopes(flat.reshape(shape)))
+
+        first = np.array(taken.rate(taken.t, y.tolist())) * self.predicted
+        found: Array = np.ravel(y + taken.h * np.outer(c, first))
+        away = _ASIDE * np.abs(y).max() * np.eye(found.size)
+        for n in range(self.rounds):
+            if self.anew or not n:
+                rows = np.array([(gap(found + x) - gap(found - x)) / (2 * x.max()) for x in away])
+            try:
+                found = found - np.linalg.solve(rows.T, gap(found))
+            except np.linalg.LinAlgError as error:
+                raise ArithmeticError(str(error)) from None
+        stages = found.reshape(shape)
+        if self.called:
+            return [float(x) for x in y + taken.h * b @ slopes(stages)]
+        return [float(x) for x in y + (stages - y).T @ np.linalg.lstsq(a.T, b, rcond=None)[0]]
+
+
+def unsettled(method: Method, program: Program, size: int) -> Iterator[tuple[str, Program | Unsettled]]:
+    """Yield the steps of an implicit method whose stages are solved by few iterations, in words, for states of a size.
+
+    Slopes weighed are those of the stages that are found, or those that the equations give for these.
+    """
+    assert isinstance(method, RungeKutta | Collocation)
+    together = tuple(sorted(program.lines, key=lambda line: "Yky".index(line[0])))  # all stages in each round
+    for n in range(1, _FEW + 1):
+        words = f"the stages are iterated {counted(n, 'time')} from k[i] = f(y)"
+        yield words, replace(program, lines=together, rounds=n)
+    few = range(1, _FEW + 1) if size * method.stages <= _MOST_UNKNOWNS else ()
+    for n, predicted, anew, called in product(few, (False, True), (False, True), (False, True)):
+        start, frozen = (
+            "y + c[i] h f(y)" if predicted else "y",
+            ", with the Jacobian of the first" * (n > 1 and not anew),
+        )
+        words = f"the stages are solved by {counted(n, 'iteration')} of Newton's method from {start}{frozen}"
+        if n > 1 or anew:
+            yield words, Unsettled(method, n, predicted, anew, called, program.timed)
 
 
 def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
@@ -206,6 +292,13 @@ def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
             yield f"{_shown(wrong)} in place of {_shown(line)}", wrong
 
 
+def _exchanged(line: str) -> Iterator[tuple[str, str]]:
+    """Yield the sum with two of its weights exchanged."""
+    for one, other in combinations(re.findall(r"\bk\[\d+\]", line.partition(" = ")[2]), 2):
+        turned = line.replace(one, "#").replace(other, one).replace("#", other)
+        yield f"the weights of {one} and {other} are exchanged in {line}", turned
+
+
 def _left_out(line: str) -> Iterator[tuple[str, ...]]:
     """Yield the line with nothing added to a state, or to one component of a state that has two."""
     if line[0] in "Yy":
@@ -222,6 +315,10 @@ def _too_early(lines: Lines, stages: int, runge_kutta: bool, pair: bool) -> Iter
     """Yield the lines that advance the state, or one component of it, while stages are still formed from it."""
     if not runge_kutta:
         yield "v1 moves the position in place of v", (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
+    overwritten = {f"Y[{i}] is": (f"Y[{i}]",) for i in range(1, stages) if runge_kutta}
+    for words, names in (overwritten | {"each Y[i] is": ("Y",)} if overwritten else {}).items():
+        kept = tuple(each.replace(" = y", " = y = y", 1) if each.startswith(names) else each for each in lines)
+        yield f"{words} y itself, which it overwrites", kept
     y, weights = ("y", "h * b") if runge_kutta else ("q", "h * h * b_position")
     for i in range(stages):
         early = f"{y} + {weights}[{i}] * k[{i}]"
@@ -240,7 +337,10 @@ def _too_early(lines: Lines, stages: int, runge_kutta: bool, pair: bool) -> Iter
 
 @dataclass(frozen=True)
 class Parameter:
-    """Programs with a parameter x: the `chosen` numbers of a row are x, or, if `scaled`, x times the method's."""
+    """Programs with a parameter x: the `chosen` numbers of a row are x, or, if `scaled`, x times the method's.
+
+    The number at the place `rest` makes up for what the other one changes.
+    """
 
     words: str
     program: Program
@@ -248,6 +348,7 @@ class Parameter:
     i: int | None
     chosen: tuple[int, ...]
     scaled: bool
+    rest: int | None = None
 
     @property
     def row(self) -> list[Any]:
@@ -258,6 +359,8 @@ class Parameter:
     def at(self, x: float) -> Program:
         """The program where it is x."""
         row = [(float(y) * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]
+        if self.rest is not None:
+            row[self.rest] = float(sum(self.row)) - x
         table = self.program.tables[self.name]
         rows = row if self.i is None else [*table[: self.i], row, *table[self.i + 1 :]]
         return replace(self.program, tables={**self.program.tables, self.name: rows})
@@ -277,6 +380,10 @@ def one_parameter(method: Method, program: Program) -> Iterator[Parameter]:
         for j in there:
             place = called.format(parts[j][0] if parts else "", j)
             yield Parameter(f"{place}: {{}} instead of {exact_shown(exact[j])}", program, name, i, (j,), scaled=False)
+        if len(there) == 2 and program.implicit:  # as theta and 1 - theta
+            j, k = there
+            words = f"{row}[{k}]: {{}} instead of {exact_shown(exact[k])}, and {row}[{j}] the rest of their sum"
+            yield Parameter(words, program, name, i, (k,), False, j)
         if name == "d":
             groups = {f"all {kind}s": tuple(j for j in there if parts[j][0] == kind) for kind in ("kick", "drift")}
         for words, chosen in (groups or {f"all of {row}": there}).items():

@@ -15,8 +15,17 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import capped_exp, gives_force_times
 from driftproof.blackbox.judging.own_steps import COMPARED, OwnSteps
-from driftproof.blackbox.judging.own_system import own_system
-from driftproof.blackbox.judging.programs import Parameter, Program, StepSeen, edits, one_parameter, programs_of
+from driftproof.blackbox.judging.own_system import own_system, system_of
+from driftproof.blackbox.judging.programs import (
+    Parameter,
+    Program,
+    StepSeen,
+    Unsettled,
+    edits,
+    one_parameter,
+    programs_of,
+    unsettled,
+)
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -24,7 +33,7 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
-from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 
 # q, v and h, of ordinary size; h is so large that every coefficient of a method of high order matters.
 _STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
@@ -46,12 +55,12 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
     Steps are compared on the system that is built in, q'' = -q or else another one, or on q'' = exp(-2q), and at rest.
-    At most MOST_SHOWN are returned; none if the method is implicit or very long, or if its steps are the subject's.
-    Raises OwnSystem if no slopes of a built-in system are seen.
+    At most MOST_SHOWN are returned; none if the method is very long, or implicit and no system is built in, or if its
+    steps are the subject's. Raises OwnSystem if no slopes of a built-in system are seen.
     """
     built_in = subject.convention.kind == MAP
-    found = _usual(subject, method, built_in)
-    own = None if found or not built_in else own_system(subject, ORDINARY_DOMAIN)
+    found, system = (_usual(subject, method, built_in), own_system) if method.explicit else ((), system_of)
+    own = None if found or not built_in else system(subject, ORDINARY_DOMAIN)
     return found if own is None else mistakes_on(own, Specification(method))
 
 
@@ -81,11 +90,13 @@ def mistakes_on(steps: OwnSteps, wanted: Specification) -> tuple[str, ...]:
     """
     method, taken = of_one_state(wanted.method), list[StepSeen]()
     with suppress(ArithmeticError):
-        if not isinstance(method, RungeKutta) and (steps.size % 2 or not _of_second_order(steps)):
+        if not isinstance(method, RungeKutta | Collocation) and (steps.size % 2 or not _of_second_order(steps)):
             return ()
         for t, share, y in product(steps.times, COMPARED, steps.states):
             h = min(share * steps.unit, wanted.domain.largest_step)
-            with suppress(Misbehaviour):
+            with suppress(Misbehaviour, *[ArithmeticError] * (not method.explicit)):
+                if not method.explicit:
+                    steps.step(method, t, y, h)  # where its stages settle
                 taken.append(StepSeen(steps.slopes, t, y, h, steps.end(t, y, h)))
         alike = lambda y, end, made: steps.apart(y, end, made) <= steps.half
         seen = _AllSeen(taken, alike, lambda x: steps.half * _INSIDE * max(1.0, abs(x)))
@@ -122,7 +133,7 @@ def _taken(subject: ForeignStepper, built_in: bool, timed: bool) -> Iterator[Ste
 
 def _found(method: Method, seen: _AllSeen, halves: Any = Program.halves, timed: bool = False) -> tuple[str, ...]:
     """The mistakes of the method's programs that give these steps; none if one of them gives them without any."""
-    if not method.explicit or _calls(method) > _MOST_STAGES:
+    if _calls(method) > _MOST_STAGES:
         return ()
     programs, pair = [replace(each, halves=halves) for each in programs_of(method, timed)], len(seen.steps[0].y) == 2
     if any(map(seen.are_of, programs)):
@@ -132,7 +143,9 @@ def _found(method: Method, seen: _AllSeen, halves: Any = Program.halves, timed: 
     for program in programs:
         edited = (words for words, lines in edits(method, program, pair) if seen.are_of(replace(program, lines=lines)))
         solved = (seen.solved(each) for each in one_parameter(method, program) if each.name not in read)
-        if found := tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN)):
+        few = () if method.explicit else unsettled(method, program, len(seen.steps[0].y))
+        stopped = (words for words, other in few if seen.are_of(other))
+        if found := tuple(islice(chain(edited, filter(None, solved), stopped), MOST_SHOWN)):
             return found  # in another form it would be the same mistake
     return ()
 
@@ -150,7 +163,7 @@ class _AllSeen:
     known_to: Callable[[float], float]
     times_read: bool = False
 
-    def are_of(self, program: Program) -> bool:
+    def are_of(self, program: Program | Unsettled) -> bool:
         """True if the program takes these steps."""
         with np.errstate(all="ignore"), suppress(ArithmeticError):
             return all(self.alike(each.y, each.end, program.end(each)) for each in self.steps)

@@ -162,8 +162,10 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     q, v, state, time = (attribute_of(made, role) for role in (calling.POSITION, calling.VELOCITY, calling.STATE, TIME))
     moved, (q, v) = _moved_numbers(made, advance, (q, v))
     built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
-    if built_in and moved and not {q, v} <= {*moved} and not any(np.ndim(getattr(made, each)) for each in moved):
-        return _numbers_wrapper(cls, made, advance, moved)
+    arrays = [each for each in moved if np.ndim(getattr(made, each))]
+    apart = not {q, v} <= {*moved} and not arrays
+    if built_in and moved and (apart or (arrays in ([], moved[:1]) and _is_driven(made, advance, time, moved))):
+        return _numbers_wrapper(cls, made, advance, moved, bool(arrays))
     if not (q and v) and (not state or common.takes_force([function_argument(cls)])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
@@ -183,14 +185,31 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
 
-def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
-    """The step of an object, made anew, whose system is built in, of the time and the numbers that its step moves."""
+def _is_driven(made: Any, advance: str, time: str, moved: Sequence[str]) -> bool:
+    """True if the end of a step depends on the time that an object keeps."""
+    ends = list[list[float]]()
+    with suppress(Exception):  # of foreign code
+        for t in (0.25, 0.75) if time else ():
+            setattr(body := deepcopy(made), time, t)
+            getattr(body, advance)(*_taken_by(made, advance, 0.25, 0.0))
+            ends.append([x for each in moved for x in np.ravel(getattr(body, each)).tolist()])
+    return len(ends) == 2 and ends[0] != ends[1]
+
+
+def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str], array: bool) -> str:
+    """The step of an object, made anew, whose system is built in, of the time and what its step moves.
+
+    That are numbers, or one array.
+    """
     taken, size, time = _taken_by(made, advance, "h", "0.0"), attribute_of(made, STEP), attribute_of(made, TIME)
     make, places = making(cls, calling.MAP, made), ", ".join(f"made.{each}" for each in moved)
     makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
     puts = [f"made.{size} = h"] * (size != "" and "h" not in taken) + [f"made.{time} = t"] * bool(time)
-    step, end = f"made.{advance}({', '.join(taken)})", f"return numpy.array([{places}])"
-    return common.defined(calling.STATE, "import numpy", f"made = {makes}", *puts, f"[{places}] = 1.0 * y", step, end)
+    step, begin = f"made.{advance}({', '.join(taken)})", f"made = {makes}"
+    if array:
+        return common.defined(calling.STATE, begin, *puts, f"{places} = 1.0 * y", step, f"return {places}")
+    end = f"return numpy.array([{places}])"
+    return common.defined(calling.STATE, "import numpy", begin, *puts, f"[{places}] = 1.0 * y", step, end)
 
 
 def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[list[str], tuple[str, str]]:

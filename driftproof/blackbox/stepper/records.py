@@ -27,9 +27,16 @@ _NEW = re.compile("_?(new|next|out|1)$")
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
-    """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
+    """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads.
+
+    None if a field with the name of a time, beside others without a role, does not go on by the step size that `call`
+    gives, 1/4: it may be a temperature.
+    """
     found = fields_of(step, call)
-    return _record(*found) if found else None
+    if (record := _record(*found) if found else None) and _role(record.position) is None and record.clock:
+        filled, clock = record.filled, record.clock
+        return record if _keeps_time(call, lambda x: filled(x, x), clock) else None
+    return record
 
 
 def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
@@ -162,8 +169,9 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     places = [
         next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
     ]
-    if None in places and len(names) == 2 and not any(map(is_before, names)):
-        places = list(names)
+    plain = [each for each in names if roles[each] != calling.TIME]
+    if None in places and len(plain) == 2 and not any(map(is_before, names)):
+        places = list(plain)
     given = {each: 1.0 for each in names if each.lower() in calling.UNIT_PARAMETERS and each not in places}
     known = {each: 0.0 for each in needed if roles[each] == calling.TIME} | {x: 1.0 for x in given if x in needed}
     left = [each for each in names if each not in places]
@@ -319,8 +327,8 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
             if not record.slopes:  # a slope that is handed on has no function to be asked for
                 yield _with_parameters(called, record)
         elif found := fields_of(step, alone):
-            name, make, _, needed = found
-            yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])))
+            name, make, fields, needed = found
+            yield from _of_numbers(alone, name, make, list(dict.fromkeys([*needed, *further])), fields)
         return
     pushed = calling.word_of(roles[calling.FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
@@ -344,24 +352,42 @@ def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
     return form
 
 
-def _of_numbers(
-    step: Callable[..., Foreign], name: str, make: Any, needed: Sequence[str]
-) -> Iterator[Callable[..., Any]]:
-    """Yield the step(y, h) of a record of several numbers, in the order in which it returns them."""
-    if len(needed) <= 2 or any(map(is_before, needed)):
-        return
-    order = list(needed)
-    with suppress(Exception):
-        returned = [*parts_of(step(make(**dict.fromkeys(needed, 0.5))))]
-        order = returned if {*returned} == {*needed} else order
+def _keeps_time(step: Callable[..., Foreign], made: Callable[[float], Foreign], clock: str) -> bool:
+    """True if this field of records goes on by the step size, 1/4, in steps from 0, whatever x they are made with."""
+    with suppress(Exception):  # of foreign code, and of what is no number
+        pairs = [(state, step(state)) for state in (made(0.75), made(-0.5))]
+        ends = [float(_named(state if found is None else found)[clock]) for state, found in pairs]
+        return bool(np.allclose(ends, 0.25, _CLOCK))
+    return False
 
-    def moved(y: Sequence[float], h: float) -> list[Foreign]:
-        state = make(**dict(zip(order, map(float, y), strict=True)))
-        found = step(state, 0.0, h)
-        parts = parts_of(state if found is None else found)
+
+def _of_numbers(
+    step: Callable[..., Foreign], name: str, make: Any, needed: Sequence[str], fields: Sequence[str]
+) -> Iterator[Callable[..., Any]]:
+    """Yield the step(y, h) of a record of several numbers, in the order in which it returns them.
+
+    Or the step(t, y, h), if one of its fields is a clock.
+    """
+
+    def at_zero(x: float, clock: str) -> Foreign:
+        return make(**{**dict.fromkeys(needed, x), clock: 0.0})
+
+    likely = [each for each in fields if _role(each) == calling.TIME]
+    clock = next((each for each in likely if _keeps_time(step, partial(at_zero, clock=each), each)), None)
+    order = [each for each in needed if each != clock]
+    if len(order) <= 2 or any(map(is_before, order)):
+        return
+    with suppress(Exception):
+        returned = [each for each in _named(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
+        order = returned if {*returned} == {*order} else order
+
+    def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
+        state = make(**dict(zip(order, map(float, y), strict=True)), **({clock: t} if clock else {}))
+        found = step(state, t, h)
+        parts = _named(state if found is None else found)
         return [parts[each] for each in order]
 
-    form: Any = moved
+    form: Any = moved if clock else lambda y, h: moved(0.0, y, h)
     form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
     yield form
 

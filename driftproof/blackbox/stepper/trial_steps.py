@@ -95,9 +95,10 @@ def tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     except Misbehaviour as failure:
         if trial is one_step and (places := _places_of_pair(subject)):
             return tried(replace(subject, convention=replace(convention, places=places), log=CallLog()), trial)
-        # A time after (q1, v1) is no slope, and none is handed on.
-        a_time = not convention.places and np.array_equal(subject.log.carried, TRIAL_STEP)
-        for place in (*range(subject.log.returned - 1), *[None] * a_time) if convention.handed == -1 else ():
+        # A time after (q1, v1) is no slope, nor is an error estimate, and none is handed on.
+        none = not convention.places and np.array_equal(subject.log.carried, TRIAL_STEP)
+        none |= convention.kind == calling.FIELD and subject.log.returned == 2 and _vanishes(subject, trial)
+        for place in (*range(subject.log.returned - 1), *[None] * none) if convention.handed == -1 else ():
             with suppress(Misbehaviour):
                 found = tried(replace(subject, convention=replace(convention, handed=place), log=CallLog()), trial)
                 end = trial(found, TINY**2)  # where x = -a, a may pass for the position and x for the slope
@@ -108,6 +109,15 @@ def tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
                 longer = _after_trial(replace(subject, convention=convention.of_steps(LONGER)), trial)
                 return replace(longer, convention=longer.convention.of_steps(1), shortest=LONGER)
         raise
+
+
+def _vanishes(subject: ForeignStepper, trial: TrialStep) -> bool:
+    """True if what may be a slope that is handed on is small beside h in a short step, as an error estimate is."""
+    short = replace(subject, log=CallLog())
+    with suppress(Misbehaviour):
+        trial(short, TINY)
+    found = short.log.carried
+    return found is not None and bool(np.abs(adapters.as_array(found)).max() <= TINY * NEAR)
 
 
 def _places_of_pair(subject: ForeignStepper) -> tuple[int, ...]:

@@ -36,7 +36,7 @@ from driftproof.symbolic.linear.printed_digits import (
     stability_within_digits,
 )
 from driftproof.symbolic.linear.region import rounded_boundary
-from driftproof.symbolic.linear.stability_function import prothero_robinson
+from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, bounded_powers
 
 
@@ -249,7 +249,8 @@ class LinearFacts:
         method = self.method
         if not isinstance(method, RungeKutta | Collocation):
             return None
-        functions = {k: prothero_robinson(method, k) for k in range(1, self.linear_order + 2)}
+        data = scalar_tableau(method)  # one for all, which keeps the products of its matrix
+        functions = {k: prothero_robinson(data, k) for k in range(1, self.linear_order + 2)}
         return [OrderReduction(k, ExactFunction(f), _at_infinity(f)) for k, f in functions.items() if f.num]
 
     @cached_property

@@ -48,13 +48,21 @@ class ScalarTableau:
         """True if A is strictly lower triangular."""
         return is_strictly_lower(self.a)
 
-    def moments(self, start: Sequence[Scalar], count: int) -> list[Scalar]:
-        """The moments bᵀ Aᵏ v for k = 0, ..., count - 1 and v = `start`."""
-        vector, found = list(start), []
-        for k in range(count):
-            if k:
-                vector = self._times(vector)
-            found.append(dot(self.b, vector))
+    def moments(self, start: Sequence[Scalar]) -> list[Scalar]:
+        """The moments bᵀ Aᵏ v for k = 0, ..., s - 1 and v = `start`."""
+        if self.field:
+            return [dot(row, start) for row in self._rows]
+        return list((fmpq_mat(self._rows) * fmpq_mat(self.stages, 1, list(start))).entries())
+
+    @cached_property
+    def _rows(self) -> list[list[Scalar]]:
+        """The rows bᵀ Aᵏ for k = 0, ..., s - 1; FLINT computes them over Q."""
+        found = [list(self.b)]
+        for _ in range(self.stages - 1):
+            if self.field:
+                found.append([dot(found[-1], column) for column in zip(*self.a, strict=True)])
+            else:
+                found.append((fmpq_mat(1, self.stages, found[-1]) * self._matrix).entries())
         return found
 
     def power(self, k: int) -> tuple[Scalar, ...]:
@@ -78,12 +86,6 @@ class ScalarTableau:
     @cached_property
     def _matrix(self) -> RationalMatrix:
         return fmpq_mat([*map(list, self.a)])
-
-    def _times(self, vector: list[Scalar]) -> list[Scalar]:
-        """A v; FLINT computes it over Q."""
-        if self.field:
-            return [dot(row, vector) for row in self.a]
-        return list((self._matrix * fmpq_mat(len(vector), 1, vector)).entries())
 
 
 @dataclass(frozen=True)
@@ -124,21 +126,21 @@ def stability_function(method: RungeKutta | Collocation) -> RationalFunction:
 
 def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
     """R(z) of a tableau."""
-    return data.times_denominator([ONE[0], *data.moments(data.power(0), data.stages)])
+    return data.times_denominator([ONE[0], *data.moments(data.power(0))])
 
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = `start`, in lowest terms."""
-    return data.times_denominator(data.moments(start, data.stages))
+    return data.times_denominator(data.moments(start))
 
 
-def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalFunction:
+def prothero_robinson(method: RungeKutta | Collocation | ScalarTableau, power: int) -> RationalFunction:
     """ψₖ(z) for k = `power` >= 1, with φ(t + h) - y₁ = Σₖ ψₖ(hλ) hᵏ φ⁽ᵏ⁾(t) on y' = λ(y - φ(t)) + φ'(t), y₀ = φ(t).
 
     ψₖ = (z bᵀ(I - zA)⁻¹(cᵏ/k - A cᵏ⁻¹) + 1/k - bᵀcᵏ⁻¹) / (k - 1)! (hairer-wanner-1996, IV.15). It vanishes for k up
     to the stage order; a nonzero ψₖ with k <= order reduces the order on stiff problems.
     """
-    data = scalar_tableau(method)
+    data = method if isinstance(method, ScalarTableau) else scalar_tableau(method)
     nodes = data.power(power - 1)
     defects = [x / power - dot(row, nodes) for x, row in zip(data.power(power), data.a, strict=True)]
     quadrature = fraction(ONE * (fmpq(1, power) - dot(data.b, nodes)))

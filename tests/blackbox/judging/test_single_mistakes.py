@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftproof import stepper_of, verify
+from driftproof import Allowance, stepper_of, verify
 from driftproof.blackbox.judging.given_steps import GivenSteps
 from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, mistakes_on, single_mistakes
 from driftproof.blackbox.judging.specification import Specification
@@ -50,7 +50,18 @@ def nystrom4_with_new_velocity(force, q, v, h):
     return q + h * v1 + h * h / 6 * (a + 2 * b), v1
 
 
+def kutta3_in_place(f, t, y, h):
+    w = y
+    k1 = f(t, y)
+    w += h / 2 * k1
+    k2 = f(t + h / 2, w)
+    w[:] = y + h * (2 * k2 - k1)
+    y += h / 6 * (k1 + 4 * k2 + f(t + h, w))
+
+
 WRONG = {
+    "in place": (kutta3_in_place, "kutta3"),
+    "weights exchanged": (codes.tableau(((), (2 / 3,)), (3 / 4, 1 / 4), (0, 2 / 3)), "ralston2"),
     "reused": (rk4_with(slope=lambda f, t, y, h, k2: k2), "rk4"),
     "twice as far": (rk4_with(slope=lambda f, t, y, h, k2: f(t + h / 2, y + h * k2)), "rk4"),
     "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4"),
@@ -166,8 +177,85 @@ def in_turn(y, dt):
     return y
 
 
-TURNS = "in k[0], each number moves by h b[0] k[0] before the next one's slope is taken"
+def pendulum(y):
+    """A pendulum with friction."""
+    return np.array([y[1], -np.sin(y[0]) - 0.1 * y[1]])
+
+
+def slope_of(y):
+    """The derivative of the pendulum's slopes."""
+    return np.array([[0.0, 1.0], [-np.cos(y[0]), -0.1]])
+
+
+def implicit(theta=1.0, rounds=12, frozen=False, newton=True, driven=0.0, late=1.0):
+    """The step of weight theta for the new slope, by some iterations."""
+
+    def step(t, y, h):
+        y, matrix = np.array(y), np.eye(2)
+        f = lambda y, t: pendulum(y) + np.array([0.0, driven * np.cos(1.3 * t)])
+        z, first, old = y, slope_of(y), (1 - theta) * f(y, t)
+        for _ in range(rounds):
+            new = y + h * (old + theta * f(z, t + late * h))
+            z = z - np.linalg.solve(matrix - h * theta * (first if frozen else slope_of(z)), z - new) if newton else new
+        return z
+
+    return step if driven else lambda y, h: step(0.0, y, h)
+
+
+def rod(y):
+    return np.array([-2.4 * y[0] + 1.2 * y[1], 1.2 * y[0] - 2.4 * y[1] + 1.2 * y[2], 1.2 * y[1] - 2.4 * y[2]])
+
+
+def rod_in_turn(y, h):
+    y = np.array(y)
+    for i in range(3):
+        y[i] += h / 2 * rod(y)[i]
+    return np.linalg.solve(np.eye(3) - h / 2 * np.array([rod(x) for x in np.eye(3)]), y)
+
+
 SHOWN = "on the slopes of its shortest steps "
+NEWTON = "the stages are solved by {} of Newton's method from y"
+WEIGHED = "a[1][1]: 11/20 instead of 1/2, and a[1][0] the rest of their sum"
+IMPLICIT = {
+    "Newton once": (implicit(rounds=1), "backward_euler", pendulum, NEWTON.format("1 iteration"), True),
+    "frozen": (
+        implicit(rounds=3, frozen=True),
+        "backward_euler",
+        pendulum,
+        NEWTON.format("3 iterations") + ", with the Jacobian of the first",
+        False,
+    ),
+    "iterated": (
+        implicit(rounds=4, newton=False),
+        "backward_euler",
+        pendulum,
+        "the stages are iterated 4 times from k[i] = f(y)",
+        True,
+    ),
+    "theta": (implicit(0.55), "trapezoid", pendulum, WEIGHED, True),
+    "time": (
+        implicit(0.5, driven=1.0, late=0.5),
+        "trapezoid",
+        lambda t, y: pendulum(y) + np.array([0.0, np.cos(1.3 * t)]),
+        "c[1]: 1/2 instead of 1",
+        True,
+    ),
+    "in turn": (rod_in_turn, "trapezoid", rod, "in k[0], each number moves by h a[1][0] k[0] before the next", True),
+}
+
+
+@pytest.mark.slow(keep=2)
+@pytest.mark.parametrize(("step", "key", "system", "words", "seen"), IMPLICIT.values(), ids=IMPLICIT)
+def test_the_mistake_of_an_implicit_step_is_named_on_its_system(step, key, system, words, seen):
+    told = f"is not {key}; it is {key} {{}}with one mistake: {words}"
+    options = {"allowance": Allowance(solver_tolerance=1e-10), "isolate": False}
+    assert verify(step, key, system=system, **options).verdict.startswith(told.format(""))
+    assert verify(step, key, **options).verdict.startswith(told.format(SHOWN) if seen else f"is not {key}")
+    right = implicit(1.0 if key == "backward_euler" else 0.5)
+    assert verify(right, key, system=pendulum, **options).passed
+
+
+TURNS = "in k[0], each number moves by h b[0] k[0] before the next one's slope is taken"
 BUILT_IN = {
     "all at t": (rk4_of([0, 0, 0, 0]), "rk4", driven, "all of c times 0", SHOWN),
     "last at half": (rk4_of([0, 0.5, 0.5, 0.5]), "rk4", driven, "c[3]: 1/2 instead of 1", SHOWN),

@@ -4,6 +4,7 @@ from dataclasses import dataclass, make_dataclass
 from types import SimpleNamespace
 from typing import TypedDict
 
+import numpy as np
 import pytest
 
 from driftproof import verify
@@ -224,6 +225,48 @@ def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_a
 def test_a_step_whose_state_cannot_be_made_is_no_wrong_step_but_asks_for_another_one():
     with pytest.raises(ValueError, match=r"asks what it is given for \.swirl, .*; write a step\(f, t, y, h\), or"):
         opened(lambda state, force, dt: state.swirl)
+
+
+@dataclass
+class Cell:
+    """A battery: its charge, a voltage and a clock."""
+
+    soc: float
+    v1: float
+    t: float = 0.0
+
+
+class Bath:
+    """A temperature, which is no time, between two others."""
+
+    def __init__(self, t, inner, outer):
+        self.t, self.inner, self.outer = t, inner, outer
+
+
+def loaded(t, y):
+    return np.array([-(0.5 + 0.25 * t) / 3, 0.5 + 0.25 * t - y[1] / 2])
+
+
+def cooled(y):
+    return np.array([y[1] - y[0], y[0] + y[2] - 2 * y[1], y[1] * y[1] - y[2]])
+
+
+def heun_of_a_cell(state: Cell, dt, late=1.0):
+    y = np.array([state.soc, state.v1])
+    k1 = loaded(state.t, y)
+    return Cell(*(y + dt / 2 * (k1 + loaded(state.t + late * dt, y + dt * k1))).tolist(), state.t + dt)
+
+
+def heun_of_a_bath(state, dt, late=1.0):
+    y = np.array([state.t, state.inner, state.outer])
+    k1 = cooled(y)
+    return Bath(*(y + dt / 2 * (k1 + cooled(y + late * dt * k1))).tolist())
+
+
+@pytest.mark.parametrize(("step", "system"), [(heun_of_a_cell, loaded), (heun_of_a_bath, cooled)])
+def test_records_of_any_names_are_held_to_the_system_given_with_their_clocks(step, system):
+    assert verify(step, "heun2", system=system, isolate=False).passed
+    assert verify(lambda state, dt: step(state, dt, 0.0), "heun2", system=system, isolate=False).passed is False
 
 
 def pair_of_heun(f, t, y, h):
