@@ -29,7 +29,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.records import clock_of, goes_on, parts_of
+from driftproof.blackbox.stepper.named_answers import clock_of, goes_on, parts_of
 from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 

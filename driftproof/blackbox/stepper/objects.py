@@ -18,7 +18,7 @@ from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 from driftproof.blackbox.stepper.calling_conventions import TIME, role_of, stand_in
 from driftproof.blackbox.stepper.forms_by_values import further_numbers
-from driftproof.blackbox.stepper.records import goes_on
+from driftproof.blackbox.stepper.named_answers import goes_on
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted if it lies deeper, or two functions, get and put.

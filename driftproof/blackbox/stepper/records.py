@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from functools import partial
-from types import SimpleNamespace
 from typing import Any, get_type_hints
 
 import numpy as np
 
-from driftproof.blackbox.findings import NotANumber, WrongShape
+from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
 from driftproof.blackbox.stepper.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.named_answers import CLOCK_ERROR, named_parts, parts_of, role_in_state
 from driftproof.blackbox.stepper.wrapper_parts import is_before
-
-# The relative error allowed to a clock, which may be a number of 11 bits.
-_CLOCK = 2.0**-8
-# Endings of the names of new values.
-_NEW = re.compile("_?(new|next|out|1)$")
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
@@ -33,7 +27,7 @@ def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record
     gives, 1/4: it may be a temperature.
     """
     found = fields_of(step, call)
-    if (record := _record(*found) if found else None) and _role(record.position) is None and record.clock:
+    if (record := _record(*found) if found else None) and role_in_state(record.position) is None and record.clock:
         filled, clock = record.filled, record.clock
         return record if _keeps_time(call, lambda x: filled(x, x), clock) else None
     return record
@@ -58,7 +52,7 @@ def further_fields(record: Record, step: Callable[[Any], object]) -> list[str]:
         with suppress(Exception):  # of foreign code, and of what is no number
             here, later = (end(1.0, 0.75, {name: at}) for at in (x, x + 0.5))
             by, too = parts_of(here)[name] - x, parts_of(later)[name] - x - 0.5
-            return bool(by and np.isclose(by, too, _CLOCK) and record.pair(here) != record.pair(later))
+            return bool(by and np.isclose(by, too, CLOCK_ERROR) and record.pair(here) != record.pair(later))
         return False
 
     unread = {name: 0.0 for name, needed in record.slopes.items() if needed}
@@ -141,7 +135,7 @@ class Record:
         """The name of the time that it holds, one number; "" if it holds none."""
         unread = dict.fromkeys(self.slopes, 0.0)
         for name, x in parts_of(self.filled(1.0, 0.75, **unread)).items():
-            if _role(name) == calling.TIME and isinstance(x, int | float):
+            if role_in_state(name) == calling.TIME and isinstance(x, int | float):
                 with suppress(TypeError):  # of a field that nobody sets
                     self.filled(1.0, 0.75, **{**unread, name: 0.0})
                     return name
@@ -165,7 +159,7 @@ def _is_slope(name: str) -> bool:
 
 def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
     """The record with these fields, some of which are needed; None if some of those are not known."""
-    roles = {each: _role(each) for each in names}
+    roles = {each: role_in_state(each) for each in names}
     places = [
         next((each for each in names if roles[each] == role), None) for role in (calling.POSITION, calling.VELOCITY)
     ]
@@ -209,82 +203,6 @@ def adapter_of(record: Record) -> ArrayAdapter:
         ),
         at=(lambda t: adapter_of(dataclasses.replace(record, known={**record.known, clock: t}))) if clock else None,
     )
-
-
-def parts_of(record: Foreign) -> Mapping[str, Foreign]:
-    """The fields of a dataclass, a named tuple or a namespace by name, or a mapping as it is; nothing for others."""
-    if isinstance(record, SimpleNamespace):
-        return vars(record)
-    if hasattr(record, "_asdict"):
-        return dict(record._asdict())
-    if dataclasses.is_dataclass(record):
-        return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
-    return record if isinstance(record, Mapping) else {}
-
-
-def part_pair(answer: Foreign) -> Foreign:
-    """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
-    return named_pair(answer) or [*parts_of(answer).values()] or answer
-
-
-def named_pair(answer: Foreign) -> list[Foreign]:
-    """The position and the velocity in an answer of named parts; nothing unless both are there."""
-    roles = _by_role(answer, (calling.POSITION, calling.VELOCITY, calling.TIME))
-    found = [roles.get(role) for role in (calling.POSITION, calling.VELOCITY)]
-    return [] if any(part is None for part in found) else found
-
-
-def _by_role(answer: Foreign, roles: Sequence[str]) -> dict[str | None, Foreign]:
-    """The parts of an answer by the roles that their names are in use for: in each, one that is said to be new."""
-    found: dict[str | None, Foreign] = {}
-    for name, x in sorted(_named(answer).items(), key=lambda part: not _NEW.search(str(part[0]))):
-        word = str(name)
-        found.setdefault(calling.role_of(word, roles) or calling.role_of(_NEW.sub("", word), roles), x)
-    return found
-
-
-def _named(answer: Foreign) -> Mapping[str, Foreign]:
-    """The parts of a record, or of any other object that is no array, by name."""
-    return parts_of(answer) or ({} if hasattr(answer, "__array__") else getattr(answer, "__dict__", {}))
-
-
-def run_parts(answer: Foreign) -> Foreign:
-    """What a run returns by names as (qs, vs), or as (ts, ys); any other answer as it is.
-
-    >>> run_parts({"x": [1.0, 0.5], "v": [0.0, -1.0], "t": [0.0, 0.5]})
-    ([1.0, 0.5], [0.0, -1.0])
-    """
-    return tuple(named_pair(answer)) or in_parts(answer)
-
-
-def clock_of(record: Foreign) -> Foreign:
-    """The time in a record, one number; None if it has none."""
-    for name, x in parts_of(record).items():
-        if _role(str(name)) == calling.TIME:
-            with suppress(NotANumber):
-                return x if as_array(x).size == 1 else None
-    return None
-
-
-def in_parts(answer: Foreign) -> Foreign:
-    """The time, the state and the error that an answer of named parts holds, as a tuple; any other answer as it is.
-
-    >>> in_parts({"y_new": 1.5, "err": 0.25, "nfev": 6})
-    (1.5, 0.25)
-    """
-    roles = _by_role(answer, (calling.STATE, calling.TIME))
-    parts = [roles[each] for each in (calling.TIME, calling.STATE) if each in roles]
-    errors = [x for name, x in _named(answer).items() if "err" in str(name).lower()][:1]
-    return (*parts, *errors) if calling.STATE in roles else answer
-
-
-def goes_on(before: float, after: float, h: float) -> bool:
-    """True if a clock stands still or goes on by h."""
-    return bool(np.isclose(after - before, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(before)).any())
-
-
-def _role(name: str) -> str | None:
-    return calling.role_of(name, (calling.POSITION, calling.VELOCITY, calling.TIME))
 
 
 def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -356,8 +274,8 @@ def _keeps_time(step: Callable[..., Foreign], made: Callable[[float], Foreign], 
     """True if this field of records goes on by the step size, 1/4, in steps from 0, whatever x they are made with."""
     with suppress(Exception):  # of foreign code, and of what is no number
         pairs = [(state, step(state)) for state in (made(0.75), made(-0.5))]
-        ends = [float(_named(state if found is None else found)[clock]) for state, found in pairs]
-        return bool(np.allclose(ends, 0.25, _CLOCK))
+        ends = [float(named_parts(state if found is None else found)[clock]) for state, found in pairs]
+        return bool(np.allclose(ends, 0.25, CLOCK_ERROR))
     return False
 
 
@@ -372,19 +290,19 @@ def _of_numbers(
     def at_zero(x: float, clock: str) -> Foreign:
         return make(**{**dict.fromkeys(needed, x), clock: 0.0})
 
-    likely = [each for each in fields if _role(each) == calling.TIME]
+    likely = [each for each in fields if role_in_state(each) == calling.TIME]
     clock = next((each for each in likely if _keeps_time(step, partial(at_zero, clock=each), each)), None)
     order = [each for each in needed if each != clock]
     if len(order) <= 2 or any(map(is_before, order)):
         return
     with suppress(Exception):
-        returned = [each for each in _named(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
+        returned = [each for each in named_parts(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
         order = returned if {*returned} == {*order} else order
 
     def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
         state = make(**dict(zip(order, map(float, y), strict=True)), **({clock: t} if clock else {}))
         found = step(state, t, h)
-        parts = _named(state if found is None else found)
+        parts = named_parts(state if found is None else found)
         return [parts[each] for each in order]
 
     form: Any = moved if clock else lambda y, h: moved(0.0, y, h)

@@ -27,7 +27,7 @@ from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.kept_state_wrappers import kept_wrapper
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
-from driftproof.blackbox.stepper.records import goes_on
+from driftproof.blackbox.stepper.named_answers import goes_on
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion

@@ -1,7 +1,6 @@
 """Steps of a dataclass, a dict or an object, with a force or without, are opened as they are written."""
 
-from dataclasses import dataclass, make_dataclass
-from types import SimpleNamespace
+from dataclasses import dataclass
 from typing import TypedDict
 
 import numpy as np
@@ -39,13 +38,6 @@ def of_a_particle(p: Slotted, h):
 @pytest.mark.parametrize("step", [moved, returned, in_place, of_a_particle])
 def test_a_dataclass_with_slots_is_a_state_as_well(step):
     assert opened(step).step(1.0, 0.5, 0.25) == (1.125, 0.21875)
-
-
-@pytest.mark.parametrize(
-    "answer", [lambda q, v: {"velocity": v, "x": q}, lambda q, v: {"a": q, "b": v}], ids=["names", "order"]
-)
-def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
-    assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
 @dataclass
@@ -267,48 +259,6 @@ def heun_of_a_bath(state, dt, late=1.0):
 def test_records_of_any_names_are_held_to_the_system_given_with_their_clocks(step, system):
     assert verify(step, "heun2", system=system, isolate=False).passed
     assert verify(lambda state, dt: step(state, dt, 0.0), "heun2", system=system, isolate=False).passed is False
-
-
-def pair_of_heun(f, t, y, h):
-    k1 = f(t, y)
-    k2 = f(t + h, y + h * k1)
-    return y + h / 2 * (k1 + k2), h / 2 * (k2 - k1)
-
-
-@pytest.mark.slow(keep=3)
-@pytest.mark.parametrize("named", [dict, SimpleNamespace, make_dataclass("Result", ["y_new", "err", "nfev"])])
-@pytest.mark.parametrize(
-    ("share", "said"), [(1.0, "is heun_euler21 to roundoff"), (2.0, "the error estimate is 2 times")]
-)
-def test_a_state_and_an_error_by_name_are_read_as_they_are_in_a_tuple(named, share, said):
-    def step(f, t, y, h):
-        y_new, err = pair_of_heun(f, t, y, h)
-        return named(y_new=y_new, err=share * err, nfev=2)
-
-    assert said in verify(step, "heun_euler21", examples=30, isolate=False).verdict
-
-
-def verlet_run(acc, x0, v0, dt, steps, stale=False):
-    x, v, a = [x0], [v0], acc(x0)
-    for _ in range(steps):
-        x.append(x[-1] + v[-1] * dt + a * dt**2 / 2)
-        after = acc(x[-1])
-        v.append(v[-1] + (a + after) * dt / 2)
-        a = a if stale else after
-    return x, v
-
-
-@pytest.mark.slow(keep=4)
-@pytest.mark.parametrize("stale", [False, True])
-@pytest.mark.parametrize("names", ["x v t", "t x v", "x v"])
-@pytest.mark.parametrize("rows", [True, False])
-def test_a_run_may_return_its_positions_and_velocities_by_name(names, rows, stale):
-    def run(acc, x0, v0, dt, steps):
-        x, v = verlet_run(acc, x0, v0, dt, steps, stale)
-        found = {"x": x, "v": v, "t": [dt * i for i in range(steps + 1)]}
-        return {name: found[name] if rows else found[name][-1] for name in names.split()}
-
-    assert verify(run, "velocity_verlet", examples=20, isolate=False).passed is (not stale)
 
 
 class Held:
