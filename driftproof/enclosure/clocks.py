@@ -17,7 +17,7 @@ from flint import arb
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value
 from driftproof.enclosure.numbers import Enclosed, enclosed, exact_value
-from driftproof.methods.number_field import dyadic
+from driftproof.methods.flint_rationals import dyadic
 
 # Offset and rate.
 _Line: TypeAlias = tuple[Fraction, Fraction]

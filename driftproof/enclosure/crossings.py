@@ -21,7 +21,7 @@ from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, V
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates
 from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, size
-from driftproof.methods.number_field import dyadic
+from driftproof.methods.flint_rationals import dyadic
 from driftproof.symbolic.algebra.certified import enclose
 
 # A step is searched for changes at so many places; one that is missed is only found by shorter steps.

@@ -20,7 +20,7 @@ from flint import arb, arb_series
 
 from driftproof.enclosure.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
 from driftproof.enclosure.functions import ANALYTIC, inverse_of, power_of, quotient_of
-from driftproof.methods.number_field import dyadic
+from driftproof.methods.flint_rationals import dyadic
 from driftproof.methods.vector_fields import FLOOR
 
 

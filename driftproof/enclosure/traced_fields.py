@@ -12,7 +12,7 @@ from driftproof.enclosure.branches import Branching, Condition, on_all_branches
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
 from driftproof.enclosure.numbers import Enclosed
-from driftproof.methods.number_field import dyadic
+from driftproof.methods.flint_rationals import dyadic
 from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 
 # Larger integers become parameters, since compilers have 64-bit integers.

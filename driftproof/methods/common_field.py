@@ -9,15 +9,13 @@ from itertools import count
 from math import floor
 from typing import Any, cast
 
+from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic
 from driftproof.methods.number_field import (
     LARGEST_FIELD_DEGREE,
     Algebraic,
     Exact,
     NumberField,
     UndecidedError,
-    as_fmpq,
-    as_fraction,
-    dyadic,
     integer_root,
     real_root_balls,
 )

@@ -14,8 +14,9 @@ from fractions import Fraction
 from functools import cache, reduce
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
+from driftproof.methods.flint_rationals import as_fmpq, as_fraction
 from driftproof.methods.names import KeyedTable, UnknownKey
-from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import shortened
 

@@ -14,7 +14,8 @@ from typing import Any
 from driftproof.methods import expression_tree as tree
 from driftproof.methods.expression_tree import ExpressionError
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.number_field import Exact, ends_of
+from driftproof.methods.flint_rationals import ends_of
+from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (

@@ -13,6 +13,8 @@ from itertools import pairwise
 from math import copysign
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
+from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic, ends_of
+
 if TYPE_CHECKING:
     from flint import arb, fmpq
 
@@ -385,30 +387,3 @@ def _roots_between(field: NumberField, bits: int) -> list[arb]:
         if any(ball.overlaps(low) or ball.overlaps(high) for ball in balls):
             return _roots_between(field, 2 * bits)
         return [ball for ball in balls if low < ball < high]
-
-
-def as_fmpq(x: object) -> fmpq:
-    """An integer, Fraction or fmpq as an fmpq, FLINT's rational number. Raises TypeError for anything else."""
-    import flint  # faster than `from flint import fmpq`, which counts in a function that is called so often
-
-    if isinstance(x, flint.fmpq):
-        return x
-    if isinstance(x, int | Fraction) and not isinstance(x, bool):
-        return flint.fmpq(x.numerator, x.denominator)
-    raise TypeError(f"{x!r} ({type(x).__name__}) is not rational; exact arithmetic takes int or Fraction")
-
-
-def as_fraction(x: fmpq) -> Fraction:
-    """FLINT's rational number as a Fraction."""
-    return Fraction(int(x.p), int(x.q))
-
-
-def dyadic(exact_ball: arb) -> Fraction:
-    """The exact value of a ball of radius 0."""
-    return as_fraction(exact_ball.fmpq())
-
-
-def ends_of(ball: arb) -> tuple[Fraction, Fraction]:
-    """The lower and the upper end of a ball, exactly."""
-    middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
-    return middle - radius, middle + radius

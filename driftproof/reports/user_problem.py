@@ -29,7 +29,7 @@ from driftproof.enclosure.steps import DensePiece
 from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.number_field import as_fmpq
+from driftproof.methods.flint_rationals import as_fmpq
 from driftproof.methods.rationals import brief
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField

@@ -21,8 +21,6 @@ from driftproof.methods.number_field import (
     Algebraic,
     NumberField,
     UndecidedError,
-    as_fmpq,
-    as_fraction,
     cube_root,
     real_root_balls,
     square_root,
@@ -225,15 +223,6 @@ def test_roots_of_two_factors_come_apart_however_near_they_are() -> None:
     balls = real_root_balls((4 * n + 2, 0, -4 * n - 1, 0, n), 64)
     assert len(balls) == 4
     assert balls[2] < balls[3]
-
-
-def test_rationals_go_to_flint_and_back() -> None:
-    for x in (Q(-3, 7), Q(0), Q(10**40)):
-        assert as_fraction(as_fmpq(x)) == x
-    assert as_fmpq(as_fmpq(2)) == as_fmpq(2)
-    for foreign in (0.5, True, "1", square_root(2)):
-        with pytest.raises(TypeError, match="is not rational"):
-            as_fmpq(foreign)
 
 
 def test_methods_of_rational_coefficients_are_read_without_flint(modules_after: Callable[[str], set[str]]) -> None:

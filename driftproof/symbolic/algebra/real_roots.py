@@ -10,7 +10,8 @@ from typing import TypeAlias
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Algebraic, Exact, NumberField, as_fmpq, dyadic, real_root_balls
+from driftproof.methods.flint_rationals import as_fmpq, dyadic
+from driftproof.methods.number_field import Algebraic, Exact, NumberField, real_root_balls
 from driftproof.symbolic.algebra.certified import (
     ISOLATING_BITS,
     decide_by_enclosure,

@@ -23,7 +23,7 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function, linear_part
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.number_field import as_fmpq
+from driftproof.methods.flint_rationals import as_fmpq
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
