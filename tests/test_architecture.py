@@ -73,12 +73,12 @@ BUDGETS = {
     "enclosure": 5750,
     "texts": 11069,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6314
+BUDGET_OF_REPORTS_AND_FRONT = 6319
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(922, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(919, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -200,10 +200,9 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in goals:
         title = f"Least work for an error at the end of at most {goal_text(goal)}, each cost by itself (* the least)"
-        found = least_work(measured, goal, "largest")
-        looked = f"; looked at {counted(found[1].errors[STATE].looks, 'time')}" if found else ""
-        told = f"By the largest error on the way: {_work_text(study, found)}{looked}"
-        parts.append(f"{title}\n\n{table(goal_rows(measured, [*by_cost], goal))}\n\n{told}")
+        told = f"By the largest error on the way: {_way_text(study, least_work(measured, goal, 'largest'))}"
+        shown = [title, table(goal_rows(measured, [*by_cost], goal)), told * (goal not in study.wanted)]
+        parts.append("\n\n".join(filter(None, shown)))
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
         implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
@@ -217,14 +216,20 @@ def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
     A solution that comes to rest forgets at its end what a run did on the way.
     """
     end, way = (least_work(measured, goal, which) for which in ENDS)
-    where = "at the end" + " and on the way" * (end is not None and end == way)
-    text = f"For an error of at most {goal_text(goal)} {where}, {_work_text(study, end)}"
-    text += _least_time_text(study, measured, goal)
-    if end is None or end == way:
+    most, both = goal_text(goal), end is not None and end == way
+    least = f"at the end and on the way, {_way_text(study, end)}" if both else f"at the end, {_work_text(study, end)}"
+    text = f"For an error of at most {most} {least}{_least_time_text(study, measured, goal)}"
+    if end is None or both:
         return text
-    largest = with_digits(end[1].errors[STATE].largest, 2)
-    said = f"There the largest error on the way is {largest}; for one of {goal_text(goal)}, {_work_text(study, way)}"
-    return f"{text}\n{said}"
+    size = end[1].errors[STATE]
+    there = f"There the largest error on the way, looked at {counted(size.looks, 'time')}, is"
+    return f"{text}\n{there} {with_digits(size.largest, 2)}; for one of {most}, {_way_text(study, way)}"
+
+
+def _way_text(study: Study, found: tuple[Curve, Point] | None) -> str:
+    """The run, and at how many times its error on the way is looked at."""
+    looked = f"; looked at {counted(found[1].errors[STATE].looks, 'time')}" if found else ""
+    return f"{_work_text(study, found)}{looked}"
 
 
 def _head(study: Study) -> str:

@@ -75,13 +75,15 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     asked = replace(study("rk4"), wanted=[2.5e-4])
     shown = report.study_text(asked, three_curves())
     first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n"
-    way = "There the largest error on the way is 0.010; for one of 2.5e-4, steady with h = 1/2, N = 20: 20 evaluations"
-    energy = "; largest error of the energy on the way 0.00010"
-    assert shown.startswith(f"{first}{way}{energy}\n\n")
+    there = "There the largest error on the way, looked at 1 time, is 0.010; for one of 2.5e-4, "
+    way = "steady with h = 1/2, N = 20: 20 evaluations; largest error of the energy on the way 0.00010"
+    assert shown.startswith(f"{first}{there}{way}; looked at 1 time\n\n")
     both = report.study_text(replace(asked, wanted=[2e-2]), three_curves())
-    assert both.startswith("For an error of at most 2e-2 at the end and on the way, floor with")
-    said = "By the largest error on the way: steady with h = 1/2, N = 20: 20 evaluations"
-    assert f"\n\n{said}{energy}; looked at 1 time\n" in shown
+    floor = "floor with h = 5/4, N = 8: 8 evaluations; looked at 1 time"
+    assert both.startswith(f"For an error of at most 2e-2 at the end and on the way, {floor}\n\n")
+    goals = report.study_text(replace(asked, wanted=()), three_curves())
+    assert "on the way:" not in shown
+    assert goals.count("By the largest error on the way: none of these runs") == 2
     assert shown.count("Least work for an error at the end of at most") == 1
     (found,) = report.errors_json(asked, three_curves())["least_work"]
     assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")
