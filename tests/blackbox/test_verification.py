@@ -161,7 +161,7 @@ VERDICTS = {
     "nothing": (lambda f, t, y, h: None, "rk4", "What to do", "make this one call return an answer, or"),
     "complex": (lambda f, t, y, h: f(t, 1j * y), "rk4"),
     "memory": (remembering, "forward_euler"),
-    "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),
+    "in place": (in_place, "rk4", "", "of it; remark: it changes its argument and returns it"),
     "one buffer": (in_one_buffer, "rk4", "", "of it; remark: an answer is overwritten by the next call"),
     "no step back": (lambda q, v, h: symplectic_euler(q, v, abs(h)), "symplectic_euler"),
     "to an end": (to_an_end, "forward_euler", "Steps back: not tested", "it does not run backwards: h < 0 does nothing",
