@@ -14,9 +14,17 @@ from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
 # The head of a column of observed orders, beside step sizes.
 ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
+_MOST_OF = r"(?:largest|biggest|greatest|worst|max(?:imum|imal)?\.?)"
+_DRIFT = r"(?:errors?|drift|change|deviation)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
+# What is largest on the way is not what is at the end; no readout gives the largest part of something.
+LARGEST = "largest_"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
+    "largest_part": rf"{_MOST_OF} relative \w+",
+    "largest_energy_change": rf"{_MOST_OF} (?:energy|hamiltonian)(?: {_DRIFT})?|"
+    rf"{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?(?:energy|hamiltonian)",
+    "largest_error": rf"{_MOST_OF} (?:\w+ )?errors?",
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",

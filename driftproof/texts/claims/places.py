@@ -25,6 +25,7 @@ from driftproof.texts.claims.contradictions import (
 )
 from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
+    LARGEST,
     ORDER_OF_COLUMN,
     QUANTITY,
     QUANTITY_WORDS,
@@ -65,7 +66,8 @@ _TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
-COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
+COMPARED = {"ratio", "observed_order"}
+_CERTAIN = {"stability", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
 # Words of a change, which is one of the energy if that is spoken of.
 _CHANGES = (
     "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
@@ -199,6 +201,8 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return "fact", ""
     if question.startswith("percent("):
         return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
+    if readout.startswith(LARGEST):
+        return readout, ""
     if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_").removeprefix("position_"), ""
     if readout in ("energy", "energy_change", "relative_energy_change"):

@@ -19,7 +19,7 @@ from driftproof.texts.claims.contradictions import (
     sentence_around,
     starters_said,
 )
-from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, QUANTITY, is_head_of
 from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
@@ -122,8 +122,10 @@ def _questions(
     if problem.energy:
         yield f"exact {equations}, energy={problem.energy}, t=0 : energy"
     errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
-    read = [*problem.rates, *errors]
-    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    errors += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    spoken_of = {found.lastgroup for found in QUANTITY.finditer(part.lower())}
+    changes = ["energy_change", *["largest_energy_change"] * ("largest_energy_change" in spoken_of)]
+    read = [*problem.rates, *errors, *["largest_error"] * ("largest_error" in spoken_of)]
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part)) + ["steps"] * bool(_TAKES.search(part))
     of = {key: f"{key} started={starters[-1]}" if key in multistep else key for key in spoken}
@@ -147,8 +149,8 @@ def _questions(
                 yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
                 if problem.energy:
                     conserved = f"run {methods} {equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                    yield f"{conserved} : {{energy,energy_change}}"
-                    yield f"abs({conserved} : energy_change)"
+                    yield f"{conserved} : {{{','.join(('energy', *changes))}}}"
+                    yield from (f"abs({conserved} : {change})" for change in changes)
                     relative = [f"{conserved} : relative_energy_change", f"abs({conserved} : relative_energy_change)"]
                     shares = map(SHARE.format, relative) if "%" in part else ()
                     yield from relative if "relative energy" in part.lower() else shares

@@ -400,6 +400,8 @@ PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, th
 
 
 MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 - cos(θ), ω = θ'. "
+LARGEST = f"{MINE}\n| method | energy change at t = 2 | largest energy change |\n| Verlet, h = 0.1 | -0.001262 | "
+TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 with velocity Verlet. "
 
 
 @pytest.mark.parametrize(
@@ -430,6 +432,9 @@ MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 
         (f"{MINE}The energy is 0.362358 at the start. RK4 has h = 0.1", "0.362358", "", "-0.362358"),
         (f"{MINE}With h = 0.1, the energy of RK4 has fallen by 8.7e-8 at t = 2", "8.7e-8", "abs(", ""),
         (f"{MINE}With h = 0.1, the energy of RK4 has risen by 8.7e-8 at t = 2", "8.7e-8", "", ""),
+        (f"{LARGEST}-0.001423 |", "-0.001423", "largest_energy_change", ""),
+        (f"{LARGEST}-0.001262 |", "-0.001262", "", ""),  # at the end
+        (f"{TWO}From h = 0.2 to h = 0.1 the position error falls by a factor of 4.060", "4.060", "position_error", ""),
         ("On y' = -2y AB3 needs h ≤ 0.3", "0.3", "", ""),
         ("On y' = -2y AB3 needs h ≤ 0.27", "0.27", "real_limit", ""),
     ],
