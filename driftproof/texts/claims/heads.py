@@ -78,8 +78,8 @@ def fact_in_column(head: str) -> str | None:
 
 
 def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
-    """True if the head of a column names a method or a step size only, so that what is read stands above the table."""
-    named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
+    """True if the head of a column names a method, a step size or a time only: what is read stands above the table."""
+    named = methods_named(head) or any(SETTING[x].search(head) for x in "ht") or COUNT_GIVEN.search(head)
     of_unknown = HEAD_OF_UNKNOWN.fullmatch(without_methods(head))
     return bool(named) and not QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
 

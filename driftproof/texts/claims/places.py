@@ -257,6 +257,9 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             settings["t"], sure = int(n) * settings["h"], True
     if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
         quantity = "exact"
+    first = next((cell.text for cell in row if cell.text), "")
+    if SETTING["t"].fullmatch(head) and (unknown := HEAD_OF_UNKNOWN.fullmatch(first)):
+        quantity, name = "exact" if _SOLUTION.fullmatch(first) else quantity, unknown["name"]
     if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):

@@ -411,6 +411,10 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 18.1", "18.1", "", "20.6"),
         (f"{DECAY}\n| method | y |\n| Heun | 0.105340 |\n| Kutta's third | 0.099747 |", "0.099747", "", "0.099527"),
         (f"{DECAY}\n| method | y |\n| BS3 | 0.099147 |\n| Nemo's | 0.099147 |", "0.099147", "", ""),
+        (f"{DECAY}\n| t | 0.4 | 1 |\n| y(t) | 0.602388 | 0.099574 |", "0.602388", "exact", ""),
+        (f"{DECAY}\n| t | 0.4 | 1 |\n| y(t) | 0.099574 | 0.602388 |", "0.602388", "", "0.099574"),
+        (f"{DECAY}\n| h | 0.2 | 0.1 |\n| RK4 error | 5.35e-04 | 2.59e-05 |", "5.35e-04", "h=0.2, t=1", ""),
+        (f"{DECAY}\n| h | 0.2 | 0.1 |\n| RK4 error | 2.59e-05 | 5.35e-04 |", "2.59e-05", "", ""),  # exchanged
         (f"{DECAY} With h = 0.2 the pair of Cash and Karp has y_1 = 1.097660", "1.097660", "", "1.097621"),
         (f"{SWINGS}At the start it is E = -0.362358. At t = 2 RK4 has ω = -1.0872045", "-0.362358", "", ""),
         (f"{SWINGS}RK4 swings. At t = 2 the pendulum is at ω = -1.0872045", "-1.0872045", "exact", ""),
