@@ -62,9 +62,10 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
         # Where the equations stand again without a start, it is that of before.
         if equations := (problem.equations or known.get(rates) if rates else None):
             known[rates] = equations
+        if problem.aside or not equations:  # what is said in passing does not end the problem before it
+            found = [(one.going_on(problem), said) for one, said in found]
+        if equations:
             found.append((problem, equations))
-        else:  # an equation in passing does not end what is said of the problem before it
-            found = [(one.going_on(problem), equations) for one, equations in found]
     asked = (_questions(*one, text, column_of) for one in found)
     return list(dict.fromkeys(chain(*asked, _stability_questions(text, column_of))))
 
