@@ -261,9 +261,10 @@ class LookAlikes(NamedPlaces):
         return {f"error_constant {key}" for key in of_one}
 
     def _is_exact(self, known: KnownValue, number: TextNumber) -> bool:
-        """True if this is the solution at the time that the sentence names, and the sentence names no method."""
-        place, told = replace(self._place_of(number), quantity="exact"), len(digits_of(number.text)) > 4
-        told &= asked_quantity(known.question)[0] == "exact" and not self.tables.row_of(number)
+        """True if this is the solution, or its energy, at the time of the sentence, and that names no method."""
+        place, told = replace(self._place_of(number), methods=frozenset()), len(digits_of(number.text)) > 4
+        place = place if place.quantity == "energy" else replace(place, quantity="exact")
+        told &= "exact" in (known.question[:5], asked_quantity(known.question)[0]) and not self.tables.row_of(number)
         return told and not self.methods_beside(number) and place.means(known.question, set())
 
     def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:

@@ -151,8 +151,8 @@ class Place:
     def is_of_others(self, question: str) -> bool:
         """True if the number is said to be of other methods than the question is about, or of the solution."""
         keys, (quantity, _) = methods_asked(question), asked_quantity(question)
-        if quantity == "energy" and question.startswith("exact "):  # of the start
-            return self.own or self.settings.get("t") != 0
+        if quantity == "energy" and question.startswith("exact "):  # of the start, or where no method is named
+            return self.own or (self.settings.get("t") != 0 and bool(self.methods))
         if self.of_solution:
             return quantity in {"state", "error"}
         return self.own and (keys.isdisjoint(self.methods) if keys else {quantity, self.quantity} == {"exact", None})

@@ -121,7 +121,7 @@ def _questions(
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     if problem.energy:
-        yield f"exact {equations}, energy={problem.energy}, t=0 : energy"
+        yield f"exact {equations}, energy={problem.energy}, t={{{','.join(['0', *filter(None, [ends])])}}} : energy"
     errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
     errors += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     spoken_of = {found.lastgroup for found in QUANTITY.finditer(part.lower())}

@@ -400,6 +400,7 @@ PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, th
 
 
 MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 - cos(θ), ω = θ'. "
+FALLS = MINE.replace("sin(θ)", "sin(θ) - 0.2θ'")
 LARGEST = f"{MINE}\n| method | energy change at t = 2 | largest energy change |\n| Verlet, h = 0.1 | -0.001262 | "
 TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 with velocity Verlet. "
 
@@ -432,6 +433,8 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{DECAY} With h = 0.1 RK4\nis off by 5.35e-04", "5.35e-04", "", "2.59e-5"),
         (f"{DECAY} The companion of BS3 with h = 0.2 is 1.0844", "1.0844", "embedded.y", ""),
         (f"{DECAY} The error estimate of BS3 with h = 0.2 is 0.00360", "0.00360", "estimate.y", ""),
+        (f"{FALLS}At t = 2 the energy has fallen to -0.577289. RK4 has h = 0.1", "-0.577289", "exact ", ""),
+        (f"{FALLS}At t = 2 the energy has fallen to -0.577298. RK4 has h = 0.1", "-0.577298", "", "-0.577289"),
         (f"{MINE}The energy is -0.362358 at the start. RK4 has h = 0.1", "-0.362358", "exact ", ""),
         (f"{MINE}The energy is 0.362358 at the start. RK4 has h = 0.1", "0.362358", "", "-0.362358"),
         (f"{MINE}With h = 0.1, the energy of RK4 has fallen by 8.7e-8 at t = 2", "8.7e-8", "abs(", ""),
