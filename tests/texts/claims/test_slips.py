@@ -435,6 +435,7 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{DECAY} The error estimate of BS3 with h = 0.2 is 0.00360", "0.00360", "estimate.y", ""),
         (f"{FALLS}At t = 2 the energy has fallen to -0.577289. RK4 has h = 0.1", "-0.577289", "exact ", ""),
         (f"{FALLS}At t = 2 the energy has fallen to -0.577298. RK4 has h = 0.1", "-0.577298", "", "-0.577289"),
+        (f"{FALLS}Euler goes like symplectic Euler, h = 0.1:\n| t | ω |\n| 0.1 | -0.0932039 |", "-0.0932039", "", ""),
         (f"{MINE}The energy is -0.362358 at the start. RK4 has h = 0.1", "-0.362358", "exact ", ""),
         (f"{MINE}The energy is 0.362358 at the start. RK4 has h = 0.1", "0.362358", "", "-0.362358"),
         (f"{MINE}With h = 0.1, the energy of RK4 has fallen by 8.7e-8 at t = 2", "8.7e-8", "abs(", ""),
