@@ -7,11 +7,16 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import SETTING, methods_named, spoken_names
+from driftproof.texts.claims.contradictions import POSITIVE, SETTING, methods_named, spoken_names
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
-OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
+OBSERVED = (
+    r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc|"
+    r"log ?_?2 of (?:the |a )?(?:ratio|quotient)s?(?: of (?:\w+ ){0,2}errors)?"
+)
+# From one step size to another, of a row or a column.
+PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 # The head of a column of observed orders, beside step sizes.
 ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
 _MOST_OF = r"(?:largest|biggest|greatest|worst|max(?:imum|imal)?\.?)"
@@ -79,7 +84,8 @@ def fact_in_column(head: str) -> str | None:
 
 def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
     """True if the head of a column names a method, a step size or a time only: what is read stands above the table."""
-    named = methods_named(head) or any(SETTING[x].search(head) for x in "ht") or COUNT_GIVEN.search(head)
+    given = [*(SETTING[x] for x in "ht"), COUNT_GIVEN, PAIR]
+    named = methods_named(head) or any(said.search(head) for said in given)
     of_unknown = HEAD_OF_UNKNOWN.fullmatch(without_methods(head))
     return bool(named) and not QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
 

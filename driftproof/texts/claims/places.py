@@ -27,6 +27,7 @@ from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
     LARGEST,
     ORDER_OF_COLUMN,
+    PAIR,
     QUANTITY,
     QUANTITY_WORDS,
     SETTING_HEADS,
@@ -86,7 +87,6 @@ _AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
-PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
@@ -291,7 +291,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "stability"
     compared = () if row else methods_compared(before, after)
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
-    pairs = PAIR.findall(said_before if not row else row[0].text or row[1].text)
+    pairs = PAIR.findall(said_before if not row else head if PAIR.fullmatch(head) else row[0].text or row[1].text)
     if quantity in COMPARED and not compared and pairs:
         settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
     elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:

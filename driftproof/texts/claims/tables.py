@@ -9,7 +9,7 @@ from functools import lru_cache
 from itertools import chain, dropwhile, pairwise
 from typing import NamedTuple
 
-from driftproof.texts.claims.heads import STEP, is_head_of, is_of_steps
+from driftproof.texts.claims.heads import PAIR, STEP, is_head_of, is_of_steps
 from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
@@ -112,7 +112,7 @@ class TextTables:
     def head_at(self, start: int) -> str:
         """The head of the column of what begins there, as the text writes it; "" for a number and outside tables."""
         head = next((cell.head_written for cell in self._at(start)[1] if cell.start <= start < cell.end), "")
-        return "" if re.match("[-+.]?[0-9]", head) else head
+        return "" if re.match("[-+.]?[0-9]", head) and not PAIR.fullmatch(head) else head
 
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""

@@ -16,7 +16,8 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     spoken_names,
 )
-from driftproof.texts.claims.places import COMPARED, PAIR, asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.heads import PAIR
+from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings, runs_asked
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.

@@ -399,6 +399,7 @@ MOVES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2, h = 0.1.\n| method | 
 PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, the 3/8 rule, Kutta's third-order method"
 
 
+PAIRED = f"{DECAY} Observed orders, log_2 of the ratio of two errors:\n| method | 0.2 to 0.1 | 0.1 to 0.05 |\n| RK4 | "
 MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 - cos(θ), ω = θ'. "
 FALLS = MINE.replace("sin(θ)", "sin(θ) - 0.2θ'")
 LARGEST = f"{MINE}\n| method | energy change at t = 2 | largest energy change |\n| Verlet, h = 0.1 | -0.001262 | "
@@ -423,6 +424,8 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |", "-0.00442", "relative_energy_change", ""),
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", "-0.311"),
         (f"{MOVES}| RK4 | 19.999116 | -0.00442 % |", "19.999116", "", "1.9999116"),
+        (f"{PAIRED}4.367 | 4.181 |", "4.367", "log2(", ""),
+        (f"{PAIRED}4.376 | 4.181 |", "4.376", "", "4.367"),
         (f"{DECAY} Halving it, Heun's errors fall by factors of 4.580 and 5.494", "4.580", "", ""),
         (f"{PAIRS}. Dormand-Prince arrives at 0.367879442", "0.367879442", "dormand_prince54", ""),
         (f"{PAIRS}, BS3, BS5, RKF45, RKF78, midpoint RK2. DVERK arrives at 0.367879442", "0.367879442", "", ""),
