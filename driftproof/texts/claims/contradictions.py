@@ -327,6 +327,16 @@ def name_before(text: str, words: str) -> str | None:
     return last[0] if last and re.fullmatch(behind, text[last.end() :]) else None
 
 
+def names_before(text: str, words: str) -> list[str]:
+    """The names of the last methods in the lower-case text that are joined by commas or and, before these words.
+
+    >>> names_before("so heun and rk4 are ", " are ")
+    ['heun', 'rk4']
+    """
+    last = next(reversed([*_lists_of_methods().finditer(text)]), None)
+    return names_in_order(last[0]) if last and re.fullmatch(words, text[last.end() :]) else []
+
+
 def begins_with_method(text: str) -> bool:
     """True if the lower-case text begins with the name of a method."""
     return spoken_names().match(flat(text)) is not None
