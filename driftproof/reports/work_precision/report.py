@@ -14,7 +14,17 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.methods.schemes import Splitting
 from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
+from driftproof.numeric.work_precision.curves import (
+    ABOVE,
+    MOST,
+    MOST_FOR_GOAL,
+    MOST_IMPLICIT,
+    NOT_RUN,
+    Against,
+    Curve,
+    Point,
+    lasting,
+)
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing, seconds_text
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
@@ -75,38 +85,38 @@ def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Poin
     return min(met, key=lambda each: (each[1].evaluations or 0, each[1].error), default=None)
 
 
-def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
-    """The method with its step or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ...".
-
-    If the problem has an energy, its largest error is said.
-    """
-    if found is None:
-        return "none of these runs"
-    energy = found[1].errors.get(ENERGY)
-    said = f"; largest error of the energy on the way {with_digits(energy.largest, 2)}" if energy else ""
-    return f"{_how(study, *found)}: {found[1].evaluations} evaluations{said}"
-
-
-def _how(study: Study, curve: Curve, point: Point) -> str:
-    if not point.steps:
-        return f"{curve.key} with tolerance {point.setting}"
-    h = study.problem.t / point.steps
-    return f"{curve.key} with h = {h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)}, N = {point.steps}"
-
-
-def _least_time_text(study: Study, measured: Measured, goal: float) -> str:
-    """The run of least time that reaches the goal at the end, compiled or else in Python; "" if none was timed."""
+def _least_time(measured: Measured, goal: float, which: str) -> tuple[str, float, Curve, Point] | None:
+    """The kind of time, the seconds and the `lasting` run that takes least, compiled or else in Python."""
     for kind in (COMPILED, PYTHON):
         met = [
-            (seconds, _how(study, curve, point))
+            (kind, seconds, curve, point)
             for curve in measured.curves.values()
-            for point in lasting(curve.points, goal)
+            for point in lasting(curve.points, goal, which)
             if (seconds := measured.costs(curve, kind).get(point.setting))
         ]
         if met:
-            seconds, how = min(met)
-            return f"\nIn the least time ({_LABELS[kind]}), {how}: {seconds_text(seconds)}"
-    return ""
+            return min(met, key=lambda each: each[1])
+    return None
+
+
+def _run_text(study: Study, curve: Curve, point: Point, cost: str, which: str) -> str:
+    """A method with its step or tolerance, its cost, the largest errors on the way, and how often it was looked at.
+
+    The error of the state on the way is not said where it is the one that was asked for.
+    """
+    how, h = f"{curve.key} with tolerance {point.setting}", study.problem.t / (point.steps or 1)
+    if point.steps:
+        step = h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)
+        how = f"{curve.key} with h = {step}, N = {point.steps}"
+    said, state, energy = [f"{how}: {cost}"], point.errors[STATE], point.errors.get(ENERGY)
+    said += [f"largest error on the way {with_digits(state.largest, 2)}"] * (which == "final")
+    said += [f"largest error of the energy on the way {with_digits(energy.largest, 2)}"] if energy else []
+    return "; ".join([*said, f"looked at {counted(state.looks, 'time')}"])
+
+
+def _least_work_text(study: Study, measured: Measured, goal: float, which: str) -> str:
+    found = least_work(measured, goal, which)
+    return _run_text(study, *found, f"{found[1].evaluations} evaluations", which) if found else "none of these runs"
 
 
 def _curve_json(curve: Curve) -> Json:
@@ -200,7 +210,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in goals:
         title = f"Least work for an error at the end of at most {goal_text(goal)}, each cost by itself (* the least)"
-        told = f"By the largest error on the way: {_way_text(study, least_work(measured, goal, 'largest'))}"
+        told = f"By the largest error on the way: {_least_work_text(study, measured, goal, 'largest')}"
         shown = [title, table(goal_rows(measured, [*by_cost], goal)), told * (goal not in study.wanted)]
         parts.append("\n\n".join(filter(None, shown)))
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
@@ -211,25 +221,24 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
 
 
 def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
-    """The least work, and the least time, for an error at the end; and the least work for one that is kept all along.
+    """The least work, and the least time, for an error at the end, and for one that is kept all along.
 
     A solution that comes to rest forgets at its end what a run did on the way.
     """
-    end, way = (least_work(measured, goal, which) for which in ENDS)
-    most, both = goal_text(goal), end is not None and end == way
-    least = f"at the end and on the way, {_way_text(study, end)}" if both else f"at the end, {_work_text(study, end)}"
-    text = f"For an error of at most {most} {least}{_least_time_text(study, measured, goal)}"
-    if end is None or both:
-        return text
-    size = end[1].errors[STATE]
-    there = f"There the largest error on the way, looked at {counted(size.looks, 'time')}, is"
-    return f"{text}\n{there} {with_digits(size.largest, 2)}; for one of {most}, {_way_text(study, way)}"
-
-
-def _way_text(study: Study, found: tuple[Curve, Point] | None) -> str:
-    """The run, and at how many times its error on the way is looked at."""
-    looked = f"; looked at {counted(found[1].errors[STATE].looks, 'time')}" if found else ""
-    return f"{_work_text(study, found)}{looked}"
+    end, way = ((least_work(measured, goal, which), _least_time(measured, goal, which)) for which in ENDS)
+    asked = {"final": "at the end", "largest": "on the way"} if end != way else {"largest": "at the end and on the way"}
+    lines = []
+    for which, where in asked.items():
+        least, quickest = way if which == "largest" else end
+        lines.append(
+            f"For an error of at most {goal_text(goal)} {where}, {_least_work_text(study, measured, goal, which)}"
+        )
+        if quickest:
+            kind, seconds, *run = quickest
+            spent = seconds_text(seconds)
+            how = f"the same run: {spent}" if (*run,) == least else _run_text(study, *quickest[2:], spent, which)
+            lines.append(f"In the least time ({_LABELS[kind]}), {how}")
+    return "\n".join(lines)
 
 
 def _head(study: Study) -> str:
@@ -278,7 +287,7 @@ def goal_rows(measured: Measured, costs: Sequence[str], goal: float) -> list[lis
     }
     rows = [["method", *(_LABELS[cost] for cost in costs)]]
     for key, curve in measured.curves.items():
-        counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
+        counted = any(point.evaluations and isfinite(point.error) for point in curve.points) or _untried(curve, goal)
         applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in costs}
         if not curve.refused:
             missed = "over the limit" if met[key] else _missed(curve, goal)
@@ -308,7 +317,7 @@ def _missed(curve: Curve, goal: float) -> str:
 
 def _untried(curve: Curve, goal: float) -> int:
     """The most steps of a curve that misses the goal, if more were not tried and it is above the floor; else 0."""
-    *_, last = None, *(point for point in curve.points if isfinite(point.error))
+    *_, last = None, *(point for point in curve.points if point.steps and not point.remark.startswith(NOT_RUN))
     missed = last and last.error > last.doubt and min(p.error for p in curve.points) > goal
     return (last.steps or 0) if last and missed else 0
 
@@ -363,8 +372,13 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
     if study.wanted:
         lines.append(
-            "For such an error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
+            "For such errors the fewest steps are found to a sixteenth, and the next two numbers that end at the times"
+            " looked at are tried, too; tolerances are among 1, 2 and 5 times 10^-n."
         )
+    lines.append(
+        f"A run counts if all finer ones that were made are as good, or have errors below about {ABOVE} (N + 1) 2^-53"
+        " times the solution's size, which may be rounding."
+    )
     lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
