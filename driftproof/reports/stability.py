@@ -27,7 +27,13 @@ from driftproof.numeric.advance import Advance, advance, float_start, float_step
 from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import FOLLOWS, branch_remark, distance_from_digits, largest_state_size
+from driftproof.numeric.reference_errors import (
+    FOLLOWS,
+    branch_remark,
+    distance_from_digits,
+    largest_state_size,
+    told_apart,
+)
 from driftproof.numeric.stability import (
     LARGEST,
     Observed,
@@ -288,6 +294,7 @@ def _run_answer(problem: Problem, method: Entry, found: LinearSystem | None, ste
         "remark": seen.remark,
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
+        **({"below": below} if (below := told_apart(error, problem.reference.states[-1])) else {}),
         "lost": error > largest_state_size(problem),
         **({"another_branch": branch} if branch else {}),
         **({"only": runs.start_method.key} if isinstance(runs, MultistepRun) and steps < runs.method.steps else {}),

@@ -146,7 +146,8 @@ def _outcome(run: Json) -> str:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
         return "finite at t, but its error overflows binary64: lost"
-    error = f"error {with_digits(float(run['error']), 3)}" + (f" of {run['only']}, its start" if "only" in run else "")
+    size = f"below {run['below']}" if "below" in run else with_digits(float(run["error"]), 3)
+    error = f"error {size}" + (f" of {run['only']}, its start" if "only" in run else "")
     error += ", larger than the solution: lost" if run["lost"] else ""
     return f"{error}; {run['another_branch']}" if "another_branch" in run else error
 

@@ -283,3 +283,5 @@ def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash():
     found = driftproof.stability("dahlquist_1e3", "rk4").data
     found["methods"][0]["runs"][0] |= {"failed_after": None, "error": None, "lost": True}
     assert "finite at t, but its error overflows binary64: lost" in stability_text(found)
+    rest = {"rates": ["-100*y0", "0"], "start": [1, 1], "end": 1}
+    assert "0.909091   error below 5.0e-20\n" in str(driftproof.stability(rest, "backward_euler"))

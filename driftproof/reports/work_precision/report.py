@@ -12,7 +12,8 @@ from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.methods.schemes import Splitting
-from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
+from driftproof.numeric.problems.problem import Digits
+from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit, told_apart
 from driftproof.numeric.sweep import strings
 from driftproof.numeric.work_precision.curves import (
     ABOVE,
@@ -202,7 +203,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     reduces = "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
     parts = [
         _head(study),
-        table(order_rows(measured, reduces, stated_orders(study.methods)), right=(1,)),
+        table(order_rows(measured, reduces, stated_orders(study.methods), problem.reference.states[-1]), right=(1,)),
     ]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
@@ -254,15 +255,18 @@ def _head(study: Study) -> str:
     )
 
 
-def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}) -> list[list[str]]:
+def order_rows(
+    measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}, digits: Digits = ()
+) -> list[list[str]]:
     """Stated and measured order, with the least and the largest slope, and the least error; and what reduces orders."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = f": {reduces}" * (curve.against in _EXPLAINED.get(reduces, ()))
-        least = _least_error(curve)
-        rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
+        least, told = _least_error(curve), min((point.error for point in curve.points), default=inf)
+        shown_least = f"below {below}" if (below := told_apart(told, digits)) else least
+        rows.append([key, order, shown, shown_least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
 
 

@@ -144,6 +144,8 @@ def test_errors_have_two_digits_and_seconds_three_in_their_unit():
     found = [Curve("a", "A", 1, [Point("8", 8, {"state": Size(error, error)})]) for error in ERRORS]
     rows = report.order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
     assert [row[3] for row in rows] == ["least error", *ERRORS.values(), "none"]
+    (row,) = report.order_rows(Measured({"a": found[5]}), digits=("0.1", "2.5e-9"))[1:]
+    assert row[3] == "below 0.051"
     stated = stated_orders(replace(METHODS[key], claimed_order=claim) for key, claim in (("kutta3", 4), ("rk4", 0)))
     own = {key: Curve(key, "Mine", 0, []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")}
     orders = [row[1] for row in report.order_rows(Measured(own), stated=stated)]
