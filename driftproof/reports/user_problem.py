@@ -93,7 +93,10 @@ def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Prob
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, parameters, name), name))
+    try:
+        return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, parameters, name), name))
+    except Refused as reason:
+        raise Refused(f"{name}: {reason}", reason.t) from None
 
 
 def names_problem(given: object) -> bool:
