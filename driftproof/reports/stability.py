@@ -49,7 +49,7 @@ from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
 from driftproof.numeric.work_precision.integrators import has_numba
 from driftproof.reports.progress import with_progress
 from driftproof.reports.stability_tables import DIGITS, STABLE_FROM, limit_text, problems_text, stability_text
-from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, problem_given
+from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, kinks_of, problem_given
 from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
@@ -125,6 +125,7 @@ def stability(
         "size": repr(largest_state_size(about)),
         **({"stiffest": ", ".join(map(eigenvalue_text, largest))} if largest else {}),
         **({"proofs": proofs} if (proofs := of_proofs(about)) else {}),
+        **({} if about.field.smooth else {"kinks": kinks_of(about)}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)

@@ -120,6 +120,7 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     size = float(answer["size"])
     reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
+    notes += f"\n{answer['kinks']}" if "kinks" in answer else ""
     if any("another_branch" in run for entry in entries for run in entry["runs"]):
         notes += f"\n{_ANOTHER_BRANCH}"
     if answer["linear"]:

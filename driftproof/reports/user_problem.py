@@ -235,7 +235,7 @@ def kinks_of(problem: Problem) -> str:
     at = f" at t = {', '.join(times[:_MOST_TIMES])}" if times else ""
     at += f" and {counted(len(times) - _MOST_TIMES, 'later time')}" if len(times) > _MOST_TIMES else ""
     steps = "a method keeps its order only if its steps end there, and no stage takes f from the other side"
-    return f"{KINKED}{at}: {steps}, as a last one at t + h may"
+    return f"{KINKED}{at}: {steps}, as a last one at t + h may, where rounding of t decides"
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
