@@ -249,7 +249,7 @@ def _head(study: Study) -> str:
         f"{problem.title}{f' ({problem.key})' * (problem.key != problem.title)}\n\n"
         f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
         f"Half a unit of its last digits: {digits:.1e}\n"
-        f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
+        f"Rounding of the exact state, u |y(t)|: {floor:.1e}; that of a run may be larger"
         + ("" if problem.field.smooth else f"\n{kinks_of(problem)}")
         + (f"\n{problem.energy_note}" if problem.energy_note else "")
     )

@@ -212,7 +212,7 @@ def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_t
     assert head.splitlines() == [
         "Reference exact: (cos t, -sin t), in ball arithmetic",
         "Half a unit of its last digits: 7.1e-21",
-        "Rounding floor of the state, u |y(t)|: 1.1e-16",
+        "Rounding of the exact state, u |y(t)|: 1.1e-16; that of a run may be larger",
     ]
     assert remarks.startswith("a at N = 16: over\nno times (compiled) for a: why\nTimes are the least")
     assert "half of the spreads are below 75 %" in remarks
