@@ -80,24 +80,13 @@ def _least_work_json(goal: float, measured: Measured) -> Json:
     return {"goal": goal, **shown}
 
 
-def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Point] | None:
-    """The `lasting` point with the fewest evaluations; `which` error is meant, "final" or "largest"."""
-    met = [(c, p) for c in measured.curves.values() for p in lasting(c.points, goal, which) if p.evaluations]
-    return min(met, key=lambda each: (each[1].evaluations or 0, each[1].error), default=None)
-
-
-def _least_time(measured: Measured, goal: float, which: str) -> tuple[str, float, Curve, Point] | None:
-    """The kind of time, the seconds and the `lasting` run that takes least, compiled or else in Python."""
-    for kind in (COMPILED, PYTHON):
-        met = [
-            (kind, seconds, curve, point)
-            for curve in measured.curves.values()
-            for point in lasting(curve.points, goal, which)
-            if (seconds := measured.costs(curve, kind).get(point.setting))
-        ]
-        if met:
-            return min(met, key=lambda each: each[1])
-    return None
+def least_work(measured: Measured, goal: float, which: str, cost: str = EVALUATIONS) -> tuple[Curve, Point] | None:
+    """The `lasting` point of least cost; `which` error is meant, "final" or "largest"."""
+    costs = {key: measured.costs(curve, cost) for key, curve in measured.curves.items()}
+    met = [
+        (c, p) for key, c in measured.curves.items() for p in lasting(c.points, goal, which) if p.setting in costs[key]
+    ]
+    return min(met, key=lambda each: (costs[each[0].key][each[1].setting], each[1].error), default=None)
 
 
 def _run_text(study: Study, curve: Curve, point: Point, cost: str, which: str) -> str:
@@ -226,18 +215,17 @@ def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
 
     A solution that comes to rest forgets at its end what a run did on the way.
     """
-    end, way = ((least_work(measured, goal, which), _least_time(measured, goal, which)) for which in ENDS)
+    costs = (EVALUATIONS, COMPILED, PYTHON)
+    end, way = ([least_work(measured, goal, which, cost) for cost in costs] for which in ENDS)
     asked = {"final": "at the end", "largest": "on the way"} if end != way else {"largest": "at the end and on the way"}
     lines = []
     for which, where in asked.items():
-        least, quickest = way if which == "largest" else end
-        lines.append(
-            f"For an error of at most {goal_text(goal)} {where}, {_least_work_text(study, measured, goal, which)}"
-        )
-        if quickest:
-            kind, seconds, *run = quickest
-            spent = seconds_text(seconds)
-            how = f"the same run: {spent}" if (*run,) == least else _run_text(study, *quickest[2:], spent, which)
+        least, *timed = way if which == "largest" else end
+        work = _least_work_text(study, measured, goal, which)
+        lines.append(f"For an error of at most {goal_text(goal)} {where}, {work}")
+        for kind, run in [(kind, run) for kind, run in zip(costs[1:], timed, strict=True) if run][:1]:
+            spent = seconds_text(measured.costs(run[0], kind)[run[1].setting])
+            how = f"the same run: {spent}" if run == least else _run_text(study, *run, spent, which)
             lines.append(f"In the least time ({_LABELS[kind]}), {how}")
     return "\n".join(lines)
 
@@ -264,9 +252,8 @@ def order_rows(
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = f": {reduces}" * (curve.against in _EXPLAINED.get(reduces, ()))
-        least, told = _least_error(curve), min((point.error for point in curve.points), default=inf)
-        shown_least = f"below {below}" if (below := told_apart(told, digits)) else least
-        rows.append([key, order, shown, shown_least, _why_none(curve) if least == "none" else curve.verdict + reduced])
+        least = _least_error(curve, digits)
+        rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
 
 
@@ -332,12 +319,14 @@ def goal_text(goal: float) -> str:
     return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
 
 
-def _least_error(curve: Curve) -> str:
+def _least_error(curve: Curve, digits: Digits = ()) -> str:
     best = min(curve.points, key=lambda point: point.error, default=None)
     if best is None or not isfinite(best.error):
         return "none"
     if best.error >= best.scale:
         return "lost"
+    if below := told_apart(best.error, digits):
+        return f"below {below}"
     mantissa, _, exponent = f"{best.error:.1e}".partition("e")
     return f"{best.error:.2g}" if 1e-3 <= best.error < 100 or not best.error else f"{mantissa}e{int(exponent)}"
 
