@@ -115,7 +115,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             group = [replace(member, strong=False) for member in group]
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
-        claim = f"# {place}: no phrase can be drafted for {first.text}\n"
+        slips = [member.remark(place.partition(",")[0]) for member in group if member.slips]
+        claim = "".join([*slips, f"# {place}: no phrase can be drafted for {first.text}\n"])
         there = " ".join((phrase, *address[:2], *address.columns))
         methods = _methods(group, there, suggestions) if len(stands) == 1 else []
         drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)

@@ -46,6 +46,12 @@ def test_phrase_that_would_be_too_long_is_not_drafted():
         assert ("# line 1, column 399: no phrase can be drafted for 7.5" in text) is not drafted
 
 
+def test_a_slip_for_which_no_phrase_can_be_drafted_is_named():
+    text = draft(document_of("Halving the step size doubles the error of Euler's method."), "a")
+    slip = "# line 1: doubles is perhaps a slip: 1/power(2, order forward_euler) is half\n"
+    assert f"{slip}# line 1, column 23: no phrase can be drafted for doubles" in text
+
+
 FILES = {module.__file__ for module in (drafting, members, phrase_search)}
 LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {}x\n", "| RK4 | 0.25 | 0.3{} |\n")
 
