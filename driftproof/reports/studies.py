@@ -18,8 +18,9 @@ from driftproof.reports.progress import progress_bar
 from driftproof.reports.stability import steps_for_decay
 from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
-from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
+from driftproof.reports.work_precision.report import study_text
 from driftproof.reports.work_precision.study import Study, measure
+from driftproof.reports.work_precision.study_files import errors_json, times_json, write_study
 from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered

@@ -16,8 +16,9 @@ from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision import peers
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
-from driftproof.reports.work_precision.report import study_text, times_json
+from driftproof.reports.work_precision.report import study_text
 from driftproof.reports.work_precision.study import measure, solver_point
+from driftproof.reports.work_precision.study_files import times_json
 from tests.looping import some
 from tests.reports.studies import study, unheard
 

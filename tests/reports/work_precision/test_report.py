@@ -1,8 +1,5 @@
 """What a study tells: who is cheapest, who is dominated, what was lost or left out; the same bytes in JSON and CSV."""
 
-import csv
-import io
-import json
 import re
 from dataclasses import replace
 from fractions import Fraction
@@ -16,10 +13,9 @@ from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing, seconds_text
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
 from driftproof.reports import user_problem
-from driftproof.reports.work_precision import report
+from driftproof.reports.work_precision import report, study_files
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
 from driftproof.symbolic.claimed_orders import stated_orders
-from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
@@ -85,7 +81,7 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     assert "By the largest error on the way:" not in shown
     assert goals.count("By the largest error on the way: none of these runs") == 2
     assert shown.count("Least work for an error at the end of at most") == 1
-    (found,) = report.errors_json(asked, three_curves())["least_work"]
+    (found,) = study_files.errors_json(asked, three_curves())["least_work"]
     assert (found["goal"], found["final"]["curve"], found["largest"]["curve"]) == ("0.00025", "lucky", "steady")
     timed = three_curves()
     for key, setting, seconds in (("lucky", "16", 3e-6), ("steady", "20", 2e-6), ("floor", "16", 1e-6)):
@@ -177,25 +173,6 @@ def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last():
     assert "rk4 at N = 256: not solved" in shown
 
 
-def test_json_and_csv_hold_every_point(tmp_path):
-    asked = study("rk4", "heun3", problem="dahlquist_1")
-    measured = measure(asked, None, unheard)
-    report.write_study(asked, measured, tmp_path)
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "work_precision.csv").read_text(encoding="utf-8"))))
-    points = [(curve.key, point.setting) for curve in measured.curves.values() for point in curve.points]
-    assert [(row["curve"], row["setting"]) for row in rows] == points
-    assert float(rows[0]["state_final"]) == measured.curves["rk4"].points[0].error
-    errors = json.loads((tmp_path / "errors.json").read_text(encoding="utf-8"))
-    times = json.loads((tmp_path / "times.json").read_text(encoding="utf-8"))
-    assert errors["reference"]["half_unit"] == "5e-25"  # of 0.000045399929762484851536, at the last time
-    assert sum(len(curve["points"]) for curve in errors["curves"]) == len(points)
-    kinds = {name.split(" | ")[1] for name in times["timings"]}
-    assert set(times["timings"]) == {timing_name(key, kind, setting) for key, setting in points for kind in kinds}
-    assert all(timing["samples"] for timing in some(times["timings"].values()))
-    assert times["question"]["machine"]
-    assert "numpy" in times["question"]["versions"]
-
-
 def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_the_reference_is():
     """An ensemble's call integrates 512 states; the quartiles of 1, 2 and 4 ms are 1.5 and 3."""
     point, none = Point("8", 8, {"state": Size(0.1, 0.2, 3)}, 1e-9, steps=8), Point("16", None, remark="over", steps=16)
@@ -203,7 +180,7 @@ def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_t
     found = Measured({"a": Curve("a", "A", 1, [point, none])}, timings, {}, {"a | compiled": "why"})
     sizes = ",".join(f"{x}_{which}" for x in ("state", "energy", "phase") for which in ("final", "largest", "looks"))
     costs = [f"{kind}_{what}" for kind in ("python", "ensemble") for what in ("minimum", "median", "spread")]
-    assert report.csv_text(found).splitlines() == [
+    assert study_files.csv_text(found).splitlines() == [
         f"curve,setting,evaluations,{sizes},doubt,remark,{','.join(costs)}",
         "a,8,8,0.1,0.2,3,,,,,,,1e-09,,0.001,0.002,0.75,0.002,0.002,",
         "a,16,,,,,,,,,,,0.0,over,,,,,,",

@@ -13,8 +13,9 @@ from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.work_precision import curves, integrators
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.reports.work_precision import study as work_precision
-from driftproof.reports.work_precision.report import errors_json, study_text, write_study
+from driftproof.reports.work_precision.report import study_text
 from driftproof.reports.work_precision.study import measure, state_remark
+from driftproof.reports.work_precision.study_files import errors_json, write_study
 from driftproof.support import kept
 from tests.reports.studies import contents, study, unheard
 
