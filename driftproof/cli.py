@@ -61,8 +61,8 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
         if name == "--version":
             return _print(f"driftproof {__version__}", prog)
         return _answer(prog, name, words)
-    except KeyboardInterrupt:  # may be raised during an import, too
-        return _complain(prog, "interrupted", INTERRUPTED)
+    except KeyboardInterrupt as reason:  # may be raised during an import, too
+        return _complain(prog, "; ".join(["interrupted", *map(str, reason.args)]), INTERRUPTED)
 
 
 def _answer(prog: str, name: str, words: list[str]) -> int:

@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1341,
-    "methods": 5563,
+    "methods": 5576,
     "symbolic": 10677,
-    "numeric": 4618,
-    "blackbox": 23560,
-    "enclosure": 5750,
-    "texts": 11069,
+    "numeric": 4650,
+    "blackbox": 23662,
+    "enclosure": 5763,
+    "texts": 11162,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6319
+BUDGET_OF_REPORTS_AND_FRONT = 6348
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

@@ -42,7 +42,7 @@ def test_what_cannot_be_understood_gets_one_line(arguments, refusal):
         (FileNotFoundError(2, "No such file", "x.toml"), 2, "x.toml: No such file"),
         (OSError("odd"), 2, "odd"),
         (ArithmeticError("too long"), 3, "too long"),
-        (KeyboardInterrupt(), 130, "interrupted"),
+        (KeyboardInterrupt("it goes on"), 130, "interrupted; it goes on"),
     ],
     ids=lambda value: type(value).__name__,
 )

@@ -161,7 +161,7 @@ def test_remarked():
 def test_a_remark_fails_a_test_where_its_warning_is_an_error_and_the_summary_says_so(filters, word, tmp_path):
     (tmp_path / "pytest.ini").write_text(f"[pytest]\nfilterwarnings = {filters}::driftproof.RemarkWarning\n")
     done = pytest_in(tmp_path, "--driftproof-report=found", project=IN_PLACE)
-    assert (done.returncode, "remark: it changes its arguments" in done.stdout) == ("but" in word, True)
+    assert (done.returncode, "remark: it changes its argument and returns it" in done.stdout) == ("but" in word, True)
     assert f"\n| {word} | `test_steps.py::test_remarked`" in (tmp_path / "found" / "summary.md").read_text()
 
 

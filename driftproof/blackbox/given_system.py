@@ -30,6 +30,7 @@ from driftproof.blackbox.judging.own_steps import OwnSteps
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
+from driftproof.blackbox.judging.stage_times import with_stage_times
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.whole_states import own_time, seen_at
 from driftproof.blackbox.matching.tables import Array
@@ -200,7 +201,7 @@ def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], 
     for y, told in slopes.items():
         with suppress(Misbehaviour, ArithmeticError):
             seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, h)) - np.array(y)) / h
-            changed = np.abs(given.at(np.array(y) + h * told) - told).max()
+            changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
                 at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
@@ -255,7 +256,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     steps, words = _held(subject, wanted, system)
     method = of_one_state(wanted.method)
     try:
-        found = steps.near(wanted, words)
+        found = with_stage_times(steps, wanted, steps.near(wanted, words))
     except MethodError as why_not:
         kind = Unpaired if steps.size % 2 and isinstance(method, Splitting) else OwnSystem
         raise kind(f"steps of {wanted.method.key} on it are not known: {why_not}") from None

@@ -91,8 +91,8 @@ def work_precision_command(options: Namespace) -> str:
 
     What counts in the tables is the error at the end; below each stands who needs the fewest evaluations by the largest
     on the way, and how often it was looked at: at the reference's times or, on a problem of your own, after each step
-    of ours and of scipy (of more than 65536 steps after each k-th). A run counts if all finer ones are as good. A
-    method is dominated if each of its points has a no worse and no dearer one.
+    of ours and of scipy (of more than 65536 steps after each k-th). A run counts if all finer ones that were made
+    are as good, but for rounding. A method is dominated if each of its points has a no worse and no dearer one.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run

@@ -65,8 +65,9 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
     """The outcomes of f's comparisons at a point, just after t; the doubles that f reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen, span=(t, None))
     rates = enclosed_rates(f, Clock(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
-    if not all(rate.value.is_finite() for rate in rates):
-        raise Refused(f"f is not finite at t = {float(t):.6g}")
+    for i, rate in enumerate(rates):
+        if not rate.value.is_finite():
+            raise Refused(f"f is not finite (component {i})")
     return evaluation.taken
 
 

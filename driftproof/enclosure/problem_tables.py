@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from inspect import signature
@@ -33,6 +34,7 @@ from driftproof.methods.field_text import (
     unknowns_of_table,
 )
 from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
 from driftproof.support.plain_text import unknown
@@ -62,7 +64,8 @@ def problem_table(table: TomlTable) -> ProblemTable:
         raise ValueError("it is a method, not a problem; methods are compared by --methods FILE on a problem")
     require_keys(table, PROBLEM_KEYS, "a problem")
     start = _start(table)
-    return ProblemTable(_field(table, start), start, _energy(table), unknowns_of_table(table))
+    field, unknowns = _field(table, start), unknowns_of_table(table)
+    return ProblemTable(field, start, _energy(table, replace(field, unknowns=unknowns)), unknowns)
 
 
 class GivenTable(NamedTuple):
@@ -158,13 +161,22 @@ def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:
     return field
 
 
-def _energy(table: TomlTable) -> str | None:
+def _energy(table: TomlTable, field: VectorField) -> str | None:
     """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
-    if "rates" in table or "energy" not in table:
-        return energy_of_table(table)
-    doubles = {name: Fraction(x) for name, x in _arguments(table).items()}
-    names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
-    return rate_of_text(as_text(table["energy"], "energy"), names)
+    if "energy" not in table:
+        return None
+    if "rates" in table:
+        written = energy_of_table(table) or ""
+    else:
+        doubles = {name: Fraction(x) for name, x in _arguments(table).items()}
+        names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
+        written = rate_of_text(as_text(table["energy"], "energy"), names)
+    try:
+        replace(field, rates=(written, *field.rates[1:]))
+    except MethodError as error:
+        reason = field.in_own_words(str(error).removeprefix(f"rate 0, {written!r}: "))
+        raise ValueError(f"energy, {quoted(table['energy'])}: {reason}") from None
+    return written
 
 
 def _arguments(table: TomlTable) -> dict[str, Any]:

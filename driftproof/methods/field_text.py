@@ -86,7 +86,9 @@ _FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
 
 def field_of_text(
-    rates: str | Sequence[str], parameters: Mapping[str, Exact] | None = None, names: Mapping[str, str] | None = None
+    rates: str | Sequence[str] | Mapping[str, str],
+    parameters: Mapping[str, Exact] | None = None,
+    names: Mapping[str, str] | None = None,
 ) -> VectorField:
     """The field y' = f(t, y) from a text for each component, or from one text with ";" or "," between components.
 
@@ -97,12 +99,26 @@ def field_of_text(
     >>> field_of_text("y1; -0.5 * y0^2").rates, field_of_text("x' = v, v' = -x").rates
     (('y1', '-(1 / 2) * (y0 * y0)'), ('y1', '-y0'))
     """
-    texts, known = _rates(rates) if isinstance(rates, str) else list(rates), dict(parameters or {})
+    texts, known = _rates(rates) if isinstance(rates, str) else rates, dict(parameters or {})
     spelled = {name: name for name in known} | dict(names or _names(texts, known))
-    written = tuple(rate_of_text(text, spelled) for text in (texts.values() if isinstance(texts, dict) else texts))
+    unknowns = tuple(texts) if isinstance(texts, Mapping) else ()
+    given = [*texts.values()] if isinstance(texts, Mapping) else [*texts]
+    written = tuple(rate_of_text(text, spelled) for text in given)
     if any("pi" in _WORD.findall(text) for text in written):
         known.setdefault("pi", PI)
-    return VectorField(written, tuple(known.items()), tuple(texts) if isinstance(texts, dict) else ())
+    try:
+        return VectorField(written, tuple(known.items()), unknowns)
+    except MethodError as error:
+        raise MethodError(_in_own_words(str(error), given, written, unknowns)) from None
+
+
+def _in_own_words(said: str, texts: Sequence[str], written: Sequence[str], unknowns: tuple[str, ...]) -> str:
+    """What a `VectorField` refuses, with the text and the name of the rate in place of what was written for it."""
+    for i, (text, rate) in enumerate(zip(texts, written, strict=True)):
+        which, rest = unknowns[i] if unknowns else i, said.removeprefix(f"rate {i}, {rate!r}: ")
+        if rest != said:
+            return f"rate {which}, {quoted(text)}: {VectorField(('0',), (), unknowns).in_own_words(rest)}"
+    return said
 
 
 def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, Any]) -> dict[str, str]:
@@ -129,18 +145,15 @@ def field_of_table(table: TomlTable) -> VectorField:
     """
     parameters, names = _parameters(table)
     rates = _rates(table.get("rates"))
-    unknowns = tuple(rates) if isinstance(rates, dict) else ()
     try:
-        field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
+        field = field_of_text(rates, parameters, names)
     except ValueError as error:
         if isinstance(rates, list) and (isinstance(error, MethodError) or "'" in "".join(map(str, rates))):
             more = "for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
             raise MethodError(f"{error}; {more}") from None
-        if not isinstance(error, MethodError):
-            raise
-        raise MethodError(VectorField(("0",), (), unknowns).in_own_words(str(error))) from None
+        raise
     pi = "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters)
-    return VectorField(field.rates, (*field.parameters, *[("pi", PI)] * pi), unknowns)
+    return VectorField(field.rates, (*field.parameters, *[("pi", PI)] * pi), field.unknowns)
 
 
 def energy_of_table(table: TomlTable) -> str | None:

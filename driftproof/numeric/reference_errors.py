@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from decimal import ROUND_FLOOR, Decimal, DecimalException, InvalidOperation, localcontext
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal, DecimalException, InvalidOperation, localcontext
 from fractions import Fraction
 from math import atan2, degrees, isfinite
 from operator import add, ge, gt, le, lt, mul, sub, truediv
@@ -24,6 +24,7 @@ from driftproof.numeric.advance import Advance, field_rate, rests_at_origin
 from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import DenseSolution, Digits, Problem
 from driftproof.numeric.readouts import phase_error
+from driftproof.support.plain_text import with_digits
 
 _DIGITS = 60
 # Chosen: the largest exponent of an angle. Products of a few doubles are below it, and its sine takes a hundredth of a
@@ -148,6 +149,20 @@ def half_unit(digits: Digits) -> float:
     """The most that the exact state may be off these decimals: half a unit of the last digit in every component."""
     places = [Decimal(text).as_tuple().exponent for text in digits]
     return _length(Fraction(10) ** int(place) / 2 for place in places)
+
+
+def told_apart(error: float, digits: Digits) -> str:
+    """The least of two digits that an error from these decimals is certainly below, if it is below their half unit.
+
+    Nothing smaller can be told by them. "" for other errors.
+
+    >>> told_apart(2e-64, ("0.25",)), told_apart(0.1, ("0.25",))
+    ('0.0051', '')
+    """
+    if error >= (half := half_unit(digits)):
+        return ""
+    with localcontext(prec=2, rounding=ROUND_CEILING):
+        return with_digits(float(+(Decimal(half) + Decimal(error))), 2)
 
 
 def floors(problem: Problem) -> dict[str, float]:

@@ -27,7 +27,13 @@ from driftproof.numeric.advance import Advance, advance, float_start, float_step
 from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import FOLLOWS, branch_remark, distance_from_digits, largest_state_size
+from driftproof.numeric.reference_errors import (
+    FOLLOWS,
+    branch_remark,
+    distance_from_digits,
+    largest_state_size,
+    told_apart,
+)
 from driftproof.numeric.stability import (
     LARGEST,
     Observed,
@@ -43,7 +49,7 @@ from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
 from driftproof.numeric.work_precision.integrators import has_numba
 from driftproof.reports.progress import with_progress
 from driftproof.reports.stability_tables import DIGITS, STABLE_FROM, limit_text, problems_text, stability_text
-from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, problem_given
+from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, kinks_of, problem_given
 from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
@@ -119,6 +125,7 @@ def stability(
         "size": repr(largest_state_size(about)),
         **({"stiffest": ", ".join(map(eigenvalue_text, largest))} if largest else {}),
         **({"proofs": proofs} if (proofs := of_proofs(about)) else {}),
+        **({} if about.field.smooth else {"kinks": kinks_of(about)}),
         "methods": [_in_its_stage(about, each, counts) for each in with_progress(asked, "method")],
     }
     return Answered(answer, stability_text)
@@ -288,6 +295,7 @@ def _run_answer(problem: Problem, method: Entry, found: LinearSystem | None, ste
         "remark": seen.remark,
         "largest": repr(seen.largest),
         "error": repr(error) if isfinite(error) else None,
+        **({"below": below} if (below := told_apart(error, problem.reference.states[-1])) else {}),
         "lost": error > largest_state_size(problem),
         **({"another_branch": branch} if branch else {}),
         **({"only": runs.start_method.key} if isinstance(runs, MultistepRun) and steps < runs.method.steps else {}),

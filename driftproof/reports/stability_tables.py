@@ -120,6 +120,7 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     size = float(answer["size"])
     reached = f"whose largest norm is {with_digits(size, 3)}" if size else "which is 0 throughout: no error is small"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
+    notes += f"\n{answer['kinks']}" if "kinks" in answer else ""
     if any("another_branch" in run for entry in entries for run in entry["runs"]):
         notes += f"\n{_ANOTHER_BRANCH}"
     if answer["linear"]:
@@ -146,7 +147,8 @@ def _outcome(run: Json) -> str:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
         return "finite at t, but its error overflows binary64: lost"
-    error = f"error {with_digits(float(run['error']), 3)}" + (f" of {run['only']}, its start" if "only" in run else "")
+    size = f"below {run['below']}" if "below" in run else with_digits(float(run["error"]), 3)
+    error = f"error {size}" + (f" of {run['only']}, its start" if "only" in run else "")
     error += ", larger than the solution: lost" if run["lost"] else ""
     return f"{error}; {run['another_branch']}" if "another_branch" in run else error
 

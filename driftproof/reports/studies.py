@@ -83,7 +83,10 @@ def work_precision(
             bar.update(done)
 
         say = lambda line: print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)
-        measured = measure(study, folder, say, progress)
+        try:
+            measured = measure(study, folder, say, progress)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(*[f"the same command goes on from {folder}"] * bool(folder)) from None
         if folder:
             from driftproof.reports.work_precision.figure import draw_study
 

@@ -93,7 +93,10 @@ def problem_given(given: GivenProblem, parameters: GivenParameters = ()) -> Prob
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, parameters, name), name))
+    try:
+        return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(with_parameters(table, parameters, name), name))
+    except Refused as reason:
+        raise Refused(f"{name}: {reason}", reason.t) from None
 
 
 def names_problem(given: object) -> bool:
@@ -232,7 +235,7 @@ def kinks_of(problem: Problem) -> str:
     at = f" at t = {', '.join(times[:_MOST_TIMES])}" if times else ""
     at += f" and {counted(len(times) - _MOST_TIMES, 'later time')}" if len(times) > _MOST_TIMES else ""
     steps = "a method keeps its order only if its steps end there, and no stage takes f from the other side"
-    return f"{KINKED}{at}: {steps}, as a last one at t + h may"
+    return f"{KINKED}{at}: {steps}, as a last one at t + h may, where rounding of t decides"
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:

@@ -68,6 +68,7 @@ REFUSED = {
     r"start\[0\] is \[1\]; write a number": {"start": [[1]], "rates": ["y0"]},
     "it is a method, not a problem": {"family": "runge_kutta", "A": [[0]], "b": [1]},
     "a problem has no key 'width'; its keys are rates": {"start": [1], "rates": ["y0"], "width": 2},
+    r"energy, 'v\^2': 'v' is not allowed; .* with t, x$": {"start": {"x": 1}, "rates": {"x": "-x"}, "energy": "v^2"},
     r"'y0 \+', column 5": {"start": [1], "rates": ["y0 +"]},
 }
 

@@ -168,7 +168,7 @@ REFUSED_TABLES = [
     ({"rates": ["-4x"]}, r"'x' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
     ({"rates": ["x' = v", "v' = -x"]}, r"column 2: \"'\" is not allowed.*; for names of your own: rates\.x"),
     ({"rates": ["-e*y"]}, r"'e' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
-    ({"rates": {"x": "v", "v": "-e*x"}}, r"rate 1, '-e \* x': 'e' is not allowed; write \+ - \* / with t, x, v$"),
+    ({"rates": {"x": "v", "v": "-e*x"}}, r"rate v, '-e\*x': 'e' is not allowed; write \+ - \* / with t, x, v$"),
     ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' cannot name an unknown"),
     ({"rates": {"x": "-a*x", "a": "1"}, "parameters": {"a": 2}}, "rates: 'a' cannot name an unknown"),
     ({"rates": {"x y": "1", "t": "1"}}, "rates: 'x y' cannot name an unknown"),

@@ -28,6 +28,7 @@ from driftproof.numeric.reference_errors import (
     errors,
     floors,
     half_unit,
+    told_apart,
 )
 from driftproof.numeric.work_precision.curves import measure_curve
 from driftproof.numeric.work_precision.integrators import integrator
@@ -46,6 +47,7 @@ def test_half_unit_is_that_of_the_last_digit_printed() -> None:
     assert half_unit(("0.123",)) == 0.0005
     assert half_unit(("1e-7", "-2e-7")) == float(Decimal("0.5e-7") * Decimal(2).sqrt())
     assert half_unit(("0.1230",)) == 0.00005
+    assert [told_apart(x, ("0.1230",)) for x in (0.0, 2e-5, 4.9e-5, 5e-5)] == ["5.1e-5", "7.1e-5", "0.00010", ""]
 
 
 def test_errors_of_the_exact_state_are_below_the_floor_and_those_of_another_are_not() -> None:

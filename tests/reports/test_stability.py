@@ -283,3 +283,11 @@ def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash():
     found = driftproof.stability("dahlquist_1e3", "rk4").data
     found["methods"][0]["runs"][0] |= {"failed_after": None, "error": None, "lost": True}
     assert "finite at t, but its error overflows binary64: lost" in stability_text(found)
+    rest = {"rates": ["-100*y0", "0"], "start": [1, 1], "end": 1}
+    assert "0.909091   error below 5.0e-20\n" in str(driftproof.stability(rest, "backward_euler"))
+
+
+def test_a_switch_at_a_known_time_is_told_below_the_runs():
+    switched = {"rates": ["heaviside(1/3 - t) - y0"], "start": [0], "end": 1}
+    shown = str(driftproof.stability(switched, "backward_euler", h="1/10"))
+    assert "\nf has kinks or jumps at t = 0.333333: a method keeps its order only if its steps end there" in shown

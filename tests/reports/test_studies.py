@@ -28,6 +28,10 @@ def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypat
     assert list(study.found.curves) == ["rk4"]
     driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.02, output=tmp_path)
     assert "is from another study (time_limit differ)" in capsys.readouterr().err
+    monkeypatch.setattr(studies, "measure", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    for folder, said in ((tmp_path, f"^the same command goes on from {tmp_path}$"), (None, "^$")):
+        with pytest.raises(KeyboardInterrupt, match=said):
+            driftproof.work_precision("dahlquist_1", "rk4", output=folder)
 
 
 def test_progress_counts_points_none_of_them_before_it_is_known_how_many(monkeypatch):

@@ -251,6 +251,7 @@ REFUSED = {
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
     'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
+    'rates = ["0", "y1/y0"]\nstart = [0, 1]\nend = 1': r"f is not finite \(component 1\) near t = 0$",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
     f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
@@ -262,6 +263,7 @@ def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
     with pytest.raises((ValueError, Refused), match=REFUSED[text]) as caught:
         problem_given(str(tmp_path / "mine.toml"))
     assert "\n" not in str(caught.value)
+    assert str(caught.value).count("mine.toml: ") == 1
 
 
 def test_pole_before_the_end_is_refused(tmp_path):

@@ -40,7 +40,8 @@ _SAMPLES, _ROUNDED, _WORST = 8, 16, 4
 _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
 # ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
-_FARTHER, _SMALL = 4, 2.0**-10
+FARTHER, SMALL = 4, 2.0**-10
+_LEAST = 2.0**-1022
 # The velocities with which forces that depend on them are usually asked: the first is tried first.
 BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
 _AFTER, _ROUNDS = "before each kick but the last, and there with that after it", 100
@@ -52,7 +53,8 @@ _HALVED = 2.0**-8
 class Beside(NamedTuple):
     """The end of a step and that of the method's; how far it is off, and in words if that is too far, else "".
 
-    It is `rough` if its own rounding explains that, and that of the method's step does not.
+    It is `rough` if its own rounding explains that, and that of the method's step does not. `by_time` is how far, in
+    units of what is allowed, the method's step would end from there with a clock that is a step ahead.
     """
 
     end: list[float]
@@ -60,6 +62,7 @@ class Beside(NamedTuple):
     off: float
     wrong: str
     rough: bool
+    by_time: float
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,17 @@ class GivenSteps(OwnSteps):
         return sqrt(self.subject.format.u)
 
     @property
-    def untimed(self) -> bool:
-        """True if the slopes depend on a time that the step does not take."""
+    def driven(self) -> bool:
+        """True if the slopes depend on the time."""
         with suppress(ArithmeticError):
             pairs = product(self.states, (TIMES[1], *(self.unit * share for share in COMPARED)))
-            return self.times != TIMES and any(self.rates(t, y) != self.rates(0.0, y) for y, t in pairs)
+            return any(self.rates(t, y) != self.rates(0.0, y) for y, t in pairs)
         return False
+
+    @property
+    def untimed(self) -> bool:
+        """True if the slopes depend on a time that the step does not take."""
+        return self.times != TIMES and self.driven
 
     @cached_property
     def halves(self) -> tuple[slice, slice]:
@@ -119,6 +127,10 @@ class GivenSteps(OwnSteps):
                 if here[v] != faster[v] or here[q] != farther[q]:
                     return True
         return False
+
+    def later(self, h: float) -> GivenSteps:
+        """The same steps with a clock of the system that is h ahead."""
+        return replace(self, rates=lambda t, y: self.rates(t + h, y))
 
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step; of a splitting, each part asks where the one before it ends, with the usual velocity."""
@@ -194,7 +206,7 @@ class GivenSteps(OwnSteps):
                 return f"from ({start}) positions move by h v + h**2 ({here}), in {method.key} by h v + h**2 ({told})"
         return ""
 
-    def _number(self, x: float) -> float:
+    def number(self, x: float) -> float:
         """The number of the stepper's format nearest to x."""
         return float(self.subject.format.nearest(Fraction(x)))
 
@@ -218,7 +230,7 @@ class GivenSteps(OwnSteps):
         """
         jumps, size = np.zeros(len(y)), max(map(abs, self.states[0]))
         for _ in range(_SAMPLES):
-            z = [self._number(x + self.half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
+            z = [self.number(x + self.half * draw.uniform(-1, 1) * max(abs(x), size)) for x in y]
             jumps = np.maximum(jumps, np.abs(np.subtract(self.end(t, z, h), self.step(method, t, z, h)) - off))
         return jumps
 
@@ -248,7 +260,8 @@ class GivenSteps(OwnSteps):
                 right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
         at = f" at t = {t:g}" * bool(t)
         wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
-        return Beside(seen, told, self.apart(y, seen, told), wrong * (not right), right and not within)
+        by_time = np.abs(np.subtract(self.later(h).step(method, t, y, h), told)) / np.maximum(allowed, _LEAST)
+        return Beside(seen, told, self.apart(y, seen, told), wrong * (not right), right and not within, by_time.max())
 
     def _whole_turns(self, t: float, one: Beside) -> bool:
         """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
@@ -294,11 +307,11 @@ class GivenSteps(OwnSteps):
         far, longest, h = wanted.domain.largest_state, wanted.domain.largest_step, self.unit * COMPARED[0]
         for t, y in product(self.times, self.states):
             ratio = max(1.0, far / max(map(abs, y)))
-            for by in (_SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
-                yield t, [self._number(x * by) for x in y], min(h, longest)
-            for i in range(1, _FARTHER + 1):
+            for by in (SMALL, *(ratio ** (i / FARTHER) for i in range(1, FARTHER + 1))):
+                yield t, [self.number(x * by) for x in y], min(h, longest)
+            for i in range(1, FARTHER + 1):
                 if h < longest:
-                    yield t, y, h * (longest / h) ** (i / _FARTHER)
+                    yield t, y, h * (longest / h) ** (i / FARTHER)
 
     def elsewhere(self, wanted: Specification) -> StepFinding:
         """Compare steps from small and large states, and long ones; None if none of them can be compared."""
@@ -349,7 +362,7 @@ class GivenSteps(OwnSteps):
         h, t = min(self.unit * COMPARED[0], wanted.domain.largest_step), 0.0
         for nudge in nudges:
             try:
-                one = steps.beside(wanted, t, [self._number(nudge * x) for x in y], h)
+                one = steps.beside(wanted, t, [self.number(nudge * x) for x in y], h)
             except ArithmeticError:  # the method has no step there
                 break
             if one.wrong:

@@ -31,7 +31,7 @@ _WEIGHTS["c"] = "the time of k[{1}]"
 # compared on a system, need 87 rounds.
 _SETTLED, _ROUNDS = 2.0**-36, 87
 # Chosen: the most iterations by which stages are said to be solved, and the most unknowns of Newton's.
-_FEW, _MOST_UNKNOWNS = 4, 24
+_FEW, MOST_UNKNOWNS = 4, 24
 # The part of a state by which difference quotients move it: they are off by its square, less than half of the digits.
 _ASIDE = 2.0**-16
 
@@ -257,7 +257,7 @@ def unsettled(method: Method, program: Program, size: int) -> Iterator[tuple[str
     for n in range(1, _FEW + 1):
         words = f"the stages are iterated {counted(n, 'time')} from k[i] = f(y)"
         yield words, replace(program, lines=together, rounds=n)
-    few = range(1, _FEW + 1) if size * method.stages <= _MOST_UNKNOWNS else ()
+    few = range(1, _FEW + 1) if size * method.stages <= MOST_UNKNOWNS else ()
     for n, predicted, anew, called in product(few, (False, True), (False, True), (False, True)):
         start, frozen = (
             "y + c[i] h f(y)" if predicted else "y",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from itertools import pairwise, takewhile
+from functools import cache, partial
+from itertools import dropwhile, pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
 
@@ -15,7 +16,7 @@ from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import STATE, Size, branch_remark, doubt, errors, largest_state_size
+from driftproof.numeric.reference_errors import ENDS, STATE, Size, branch_remark, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import COMPILED_FROM, Integrator, has_numba, integrator
 
 # The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.
@@ -31,6 +32,8 @@ FLOOR_POINTS = 3
 ABOVE = 32
 # The number of finest slopes that an order is read from.
 SLOPES = 3
+# What the remark of a run that was not made begins with.
+NOT_RUN = "not run"
 # An error of a smaller slope stays: that of a consistent method falls by half at each doubling.
 STAYS = 0.5
 # chosen: the weights of a table of decimals add up to 1 to more digits than this.
@@ -53,7 +56,7 @@ class Point:
     scale: float = inf
     remark: str = ""
     steps: int | None = None
-    between: bool = False  # not one of the doublings that an order is read from, but the cheapest run for a goal
+    between: bool = False  # not one of the doublings that an order is read from, but run for a goal
 
     @property
     def error(self) -> float:
@@ -142,18 +145,26 @@ def counts(point: Point) -> bool:
 
 
 def lasting(points: Sequence[Point], goal: float, which: str = "final") -> list[Point]:
-    """The points, finest first, whose error is at most `goal`, up to a run of more that is no matter of rounding.
+    """The points, finest first, whose error is at most `goal`, up to a run that misses it by more than rounding may.
 
-    The error of a run that is coarser than that is small by chance, as where a step is a period of the force. A point
+    A run that is coarser than that is good by chance, as where a step is a period of the force. Rounding may explain
+    an error of up to ABOVE times the doubt, from which no order is read: one of 1/N is larger for N below 10⁷. A point
     for a goal that was looked at less often than any other, as where its steps miss the reference's times, has no
     largest error on the way.
     """
     if which != "final":
         enough = min((point.errors[STATE].looks for point in points if point.errors and not point.between), default=0)
-        points = [point for point in points if point.errors and point.errors[STATE].looks >= enough]
-    sizes = [(point, getattr(point.errors[STATE], which)) for point in reversed(points) if point.errors]
-    good = takewhile(lambda each: each[0].error < each[0].scale and each[1] <= max(goal, each[0].doubt), sizes)
+        points = [point for point in points if not point.errors or point.errors[STATE].looks >= enough]
+    made = dropwhile(lambda point: not point.errors, reversed(points))
+    sizes = [(point, getattr(point.errors[STATE], which) if point.errors else inf) for point in made]
+    good = takewhile(lambda each: each[0].error < each[0].scale and each[1] <= max(goal, ABOVE * each[0].doubt), sizes)
     return [point for point, size in good if size <= goal]
+
+
+def _unit(problem: Problem) -> int:
+    """The least number whose multiples, as numbers of steps, land on all of the reference's times; 1 if it is large."""
+    unit = lcm(*((t / problem.t).denominator for t in problem.reference.times))
+    return unit if unit <= LARGEST_UNIT else 1
 
 
 def step_counts(problem: Problem, most: int = MOST) -> tuple[int, ...]:
@@ -162,8 +173,7 @@ def step_counts(problem: Problem, most: int = MOST) -> tuple[int, ...]:
     They are multiples of the common denominator of tᵢ/t. If that is above LARGEST_UNIT they land on t, and on those
     other times that happen to be whole numbers of steps.
     """
-    unit = lcm(*((t / problem.t).denominator for t in problem.reference.times))
-    unit = unit if unit <= LARGEST_UNIT else 1
+    unit = _unit(problem)
     first = unit * -(-FEWEST // unit)
     doubled = (first << i for i in range(most.bit_length()))
     return tuple(steps for steps in doubled if steps <= most)
@@ -172,40 +182,47 @@ def step_counts(problem: Problem, most: int = MOST) -> tuple[int, ...]:
 def for_goal(curve: Curve, method: Entry, problem: Problem, goal: float) -> list[Point]:
     """The points of a compiled curve and those that a goal asks for: longer runs up to one that meets it, the least.
 
-    Between a number of steps that meets the goal at the end and half of it the fewest are found by bisection, to a part
-    NEAR. Finer runs meet it, too; a coarser one that does so by luck is not looked for.
+    It is to be met at the end, and on the way. An implicit method, whose doublings end early, goes on for it.
     """
-    points = [point for point in curve.points if not point.between]
+    points = [*curve.points]
     if curve.refused or not points:
         return points
-    runs = integrator(method, problem, compiled=True)
-    while not lasting(points, goal) and (steps := 2 * (points[-1].steps or MOST_FOR_GOAL)) <= MOST_FOR_GOAL:
-        if method.explicit or not points[-1].errors or not has_numba() or points[-1].error <= points[-1].doubt:
-            break
-        points.append(measured(problem, runs, steps))
-
-    def fewest(coarser: Point, found: Point) -> Point:
-        low = coarser.steps or 0
-        while (found.steps or 0) - low >= max(2, NEAR * low):
-            middle = (low + (found.steps or 0)) // 2
-            tried = measured(problem, runs, middle)
-            found, low = (tried, low) if lasting([tried], goal) else (found, middle)
-        return found
-
-    return with_cheapest(points, goal, fewest)
+    runs, unit = integrator(method, problem, compiled=True), 1 if problem.reference.dense else _unit(problem)
+    run = cache(partial(measured, problem, runs))
+    for which in reversed(ENDS):
+        looked = unit if which == "largest" else 1
+        while True:
+            points = _with_fewest(points, goal, which, run, looked)
+            *_, last = (point for point in points if not point.between)
+            steps = 2 * (last.steps or MOST_FOR_GOAL)
+            ended = last.error <= last.doubt or last.remark.startswith(NOT_RUN)
+            if lasting(points, goal, which) or ended or method.explicit or steps > MOST_FOR_GOAL or not has_numba():
+                break
+            points.append(run(steps))
+    return points
 
 
-def with_cheapest(points: Sequence[Point], goal: float, cheapest: Callable[[Point, Point], Point]) -> list[Point]:
-    """The points with cheapest(coarser, met) between the coarsest that meets the goal and the one before it.
+def _with_fewest(
+    points: Sequence[Point], goal: float, which: str, run: Callable[[int], Point], unit: int
+) -> list[Point]:
+    """The points, the run of the fewest multiples of `unit` that meets the goal, and those that tell that it does.
 
-    Those between that belong to another goal are left out.
+    They are found by bisection, to a part NEAR, below the fewest that meet it already; a coarser run that meets it by
+    luck is not looked for. If one of the next two does not meet it, finer ones are looked for: where f jumps at a third
+    of the time, the error depends on the remainder of the number of steps by 3.
     """
-    doubled = [point for point in points if not point.between]
-    if not (met := lasting(doubled, goal)) or met[-1] is doubled[0]:
-        return doubled
-    at = doubled.index(met[-1])
-    found = cheapest(doubled[at - 1], doubled[at])
-    return doubled if found is doubled[at] else [*doubled[:at], replace(found, between=True), *doubled[at:]]
+    tried = [*points]
+    while good := lasting(tried, goal, which):
+        steps, at = good[-1].steps or 0, tried.index(good[-1])
+        low = (tried[at - 1] if at else good[-1]).steps or 0
+        after = [steps + unit, steps + 2 * unit]
+        if steps - low >= max(2 * unit, NEAR * low):
+            further = [(low + steps) // (2 * unit) * unit]
+        elif not (further := [n for n in after if all(point.steps != n for point in tried)]):
+            return [point for point in tried if point in points or point.steps in (low, steps, *after)]
+        made = [replace(run(n), between=True) for n in further]
+        tried = sorted([*tried, *made], key=lambda point: point.steps or 0)
+    return tried
 
 
 def curve_of(
@@ -239,7 +256,7 @@ def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[in
     found, at_floor, of_a_step = list[Point](), 0, 0.0
     for steps in steps_of_runs:
         if (expected := of_a_step * steps) > most:
-            remark = f"not run: about {expected:.2g} evaluations, but the limit is {most:.2g}"
+            remark = f"{NOT_RUN}: about {expected:.2g} evaluations, but the limit is {most:.2g}"
             found.append(Point(str(steps), None, remark=remark, steps=steps))
             break
         found.append(measured(problem, runs, steps))

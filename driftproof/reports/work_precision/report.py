@@ -12,9 +12,20 @@ from statistics import median
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.methods.schemes import Splitting
-from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit
+from driftproof.numeric.problems.problem import Digits
+from driftproof.numeric.reference_errors import ENDS, ENERGY, QUANTITIES, STATE, Size, floors, half_unit, told_apart
 from driftproof.numeric.sweep import strings
-from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL, MOST_IMPLICIT, Against, Curve, Point, lasting
+from driftproof.numeric.work_precision.curves import (
+    ABOVE,
+    MOST,
+    MOST_FOR_GOAL,
+    MOST_IMPLICIT,
+    NOT_RUN,
+    Against,
+    Curve,
+    Point,
+    lasting,
+)
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, MEMBERS, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing, seconds_text
 from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
@@ -69,44 +80,33 @@ def _least_work_json(goal: float, measured: Measured) -> Json:
     return {"goal": goal, **shown}
 
 
-def least_work(measured: Measured, goal: float, which: str) -> tuple[Curve, Point] | None:
-    """The `lasting` point with the fewest evaluations; `which` error is meant, "final" or "largest"."""
-    met = [(c, p) for c in measured.curves.values() for p in lasting(c.points, goal, which) if p.evaluations]
-    return min(met, key=lambda each: (each[1].evaluations or 0, each[1].error), default=None)
+def least_work(measured: Measured, goal: float, which: str, cost: str = EVALUATIONS) -> tuple[Curve, Point] | None:
+    """The `lasting` point of least cost; `which` error is meant, "final" or "largest"."""
+    costs = {key: measured.costs(curve, cost) for key, curve in measured.curves.items()}
+    met = [
+        (c, p) for key, c in measured.curves.items() for p in lasting(c.points, goal, which) if p.setting in costs[key]
+    ]
+    return min(met, key=lambda each: (costs[each[0].key][each[1].setting], each[1].error), default=None)
 
 
-def _work_text(study: Study, found: tuple[Curve, Point] | None) -> str:
-    """The method with its step or tolerance and its evaluations, as in "rk4 with h = 1/16, N = 320: 1280 ...".
+def _run_text(study: Study, curve: Curve, point: Point, cost: str, which: str) -> str:
+    """A method with its step or tolerance, its cost, the largest errors on the way, and how often it was looked at.
 
-    If the problem has an energy, its largest error is said.
+    The error of the state on the way is not said where it is the one that was asked for.
     """
-    if found is None:
-        return "none of these runs"
-    energy = found[1].errors.get(ENERGY)
-    said = f"; largest error of the energy on the way {with_digits(energy.largest, 2)}" if energy else ""
-    return f"{_how(study, *found)}: {found[1].evaluations} evaluations{said}"
+    how, h = f"{curve.key} with tolerance {point.setting}", study.problem.t / (point.steps or 1)
+    if point.steps:
+        step = h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)
+        how = f"{curve.key} with h = {step}, N = {point.steps}"
+    said, state, energy = [f"{how}: {cost}"], point.errors[STATE], point.errors.get(ENERGY)
+    said += [f"largest error on the way {with_digits(state.largest, 2)}"] * (which == "final")
+    said += [f"largest error of the energy on the way {with_digits(energy.largest, 2)}"] if energy else []
+    return "; ".join([*said, f"looked at {counted(state.looks, 'time')}"])
 
 
-def _how(study: Study, curve: Curve, point: Point) -> str:
-    if not point.steps:
-        return f"{curve.key} with tolerance {point.setting}"
-    h = study.problem.t / point.steps
-    return f"{curve.key} with h = {h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)}, N = {point.steps}"
-
-
-def _least_time_text(study: Study, measured: Measured, goal: float) -> str:
-    """The run of least time that reaches the goal at the end, compiled or else in Python; "" if none was timed."""
-    for kind in (COMPILED, PYTHON):
-        met = [
-            (seconds, _how(study, curve, point))
-            for curve in measured.curves.values()
-            for point in lasting(curve.points, goal)
-            if (seconds := measured.costs(curve, kind).get(point.setting))
-        ]
-        if met:
-            seconds, how = min(met)
-            return f"\nIn the least time ({_LABELS[kind]}), {how}: {seconds_text(seconds)}"
-    return ""
+def _least_work_text(study: Study, measured: Measured, goal: float, which: str) -> str:
+    found = least_work(measured, goal, which)
+    return _run_text(study, *found, f"{found[1].evaluations} evaluations", which) if found else "none of these runs"
 
 
 def _curve_json(curve: Curve) -> Json:
@@ -192,7 +192,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
     reduces = "order reduction" if problem.stiff else "" if problem.field.smooth else KINKED
     parts = [
         _head(study),
-        table(order_rows(measured, reduces, stated_orders(study.methods)), right=(1,)),
+        table(order_rows(measured, reduces, stated_orders(study.methods), problem.reference.states[-1]), right=(1,)),
     ]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
@@ -200,7 +200,7 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in goals:
         title = f"Least work for an error at the end of at most {goal_text(goal)}, each cost by itself (* the least)"
-        told = f"By the largest error on the way: {_way_text(study, least_work(measured, goal, 'largest'))}"
+        told = f"By the largest error on the way: {_least_work_text(study, measured, goal, 'largest')}"
         shown = [title, table(goal_rows(measured, [*by_cost], goal)), told * (goal not in study.wanted)]
         parts.append("\n\n".join(filter(None, shown)))
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
@@ -211,25 +211,23 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
 
 
 def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
-    """The least work, and the least time, for an error at the end; and the least work for one that is kept all along.
+    """The least work, and the least time, for an error at the end, and for one that is kept all along.
 
     A solution that comes to rest forgets at its end what a run did on the way.
     """
-    end, way = (least_work(measured, goal, which) for which in ENDS)
-    most, both = goal_text(goal), end is not None and end == way
-    least = f"at the end and on the way, {_way_text(study, end)}" if both else f"at the end, {_work_text(study, end)}"
-    text = f"For an error of at most {most} {least}{_least_time_text(study, measured, goal)}"
-    if end is None or both:
-        return text
-    size = end[1].errors[STATE]
-    there = f"There the largest error on the way, looked at {counted(size.looks, 'time')}, is"
-    return f"{text}\n{there} {with_digits(size.largest, 2)}; for one of {most}, {_way_text(study, way)}"
-
-
-def _way_text(study: Study, found: tuple[Curve, Point] | None) -> str:
-    """The run, and at how many times its error on the way is looked at."""
-    looked = f"; looked at {counted(found[1].errors[STATE].looks, 'time')}" if found else ""
-    return f"{_work_text(study, found)}{looked}"
+    costs = (EVALUATIONS, COMPILED, PYTHON)
+    end, way = ([least_work(measured, goal, which, cost) for cost in costs] for which in ENDS)
+    asked = {"final": "at the end", "largest": "on the way"} if end != way else {"largest": "at the end and on the way"}
+    lines = []
+    for which, where in asked.items():
+        least, *timed = way if which == "largest" else end
+        work = _least_work_text(study, measured, goal, which)
+        lines.append(f"For an error of at most {goal_text(goal)} {where}, {work}")
+        for kind, run in [(kind, run) for kind, run in zip(costs[1:], timed, strict=True) if run][:1]:
+            spent = seconds_text(measured.costs(run[0], kind)[run[1].setting])
+            how = f"the same run: {spent}" if run == least else _run_text(study, *run, spent, which)
+            lines.append(f"In the least time ({_LABELS[kind]}), {how}")
+    return "\n".join(lines)
 
 
 def _head(study: Study) -> str:
@@ -239,20 +237,22 @@ def _head(study: Study) -> str:
         f"{problem.title}{f' ({problem.key})' * (problem.key != problem.title)}\n\n"
         f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
         f"Half a unit of its last digits: {digits:.1e}\n"
-        f"Rounding floor of the state, u |y(t)|: {floor:.1e}"
+        f"Rounding of the exact state, u |y(t)|: {floor:.1e}; that of a run may be larger"
         + ("" if problem.field.smooth else f"\n{kinks_of(problem)}")
         + (f"\n{problem.energy_note}" if problem.energy_note else "")
     )
 
 
-def order_rows(measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}) -> list[list[str]]:
+def order_rows(
+    measured: Measured, reduces: str = "", stated: Mapping[str, str] = {}, digits: Digits = ()
+) -> list[list[str]]:
     """Stated and measured order, with the least and the largest slope, and the least error; and what reduces orders."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
         order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = f": {reduces}" * (curve.against in _EXPLAINED.get(reduces, ()))
-        least = _least_error(curve)
+        least = _least_error(curve, digits)
         rows.append([key, order, shown, least, _why_none(curve) if least == "none" else curve.verdict + reduced])
     return rows
 
@@ -278,7 +278,7 @@ def goal_rows(measured: Measured, costs: Sequence[str], goal: float) -> list[lis
     }
     rows = [["method", *(_LABELS[cost] for cost in costs)]]
     for key, curve in measured.curves.items():
-        counted = any(point.evaluations and isfinite(point.error) for point in curve.points)
+        counted = any(point.evaluations and isfinite(point.error) for point in curve.points) or _untried(curve, goal)
         applies = {c: counted if c == EVALUATIONS else timing_name(key, c) in measured.warm_up for c in costs}
         if not curve.refused:
             missed = "over the limit" if met[key] else _missed(curve, goal)
@@ -308,7 +308,7 @@ def _missed(curve: Curve, goal: float) -> str:
 
 def _untried(curve: Curve, goal: float) -> int:
     """The most steps of a curve that misses the goal, if more were not tried and it is above the floor; else 0."""
-    *_, last = None, *(point for point in curve.points if isfinite(point.error))
+    *_, last = None, *(point for point in curve.points if point.steps and not point.remark.startswith(NOT_RUN))
     missed = last and last.error > last.doubt and min(p.error for p in curve.points) > goal
     return (last.steps or 0) if last and missed else 0
 
@@ -319,12 +319,14 @@ def goal_text(goal: float) -> str:
     return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
 
 
-def _least_error(curve: Curve) -> str:
+def _least_error(curve: Curve, digits: Digits = ()) -> str:
     best = min(curve.points, key=lambda point: point.error, default=None)
     if best is None or not isfinite(best.error):
         return "none"
     if best.error >= best.scale:
         return "lost"
+    if below := told_apart(best.error, digits):
+        return f"below {below}"
     mantissa, _, exponent = f"{best.error:.1e}".partition("e")
     return f"{best.error:.2g}" if 1e-3 <= best.error < 100 or not best.error else f"{mantissa}e{int(exponent)}"
 
@@ -363,8 +365,13 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
     lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
     if study.wanted:
         lines.append(
-            "For such an error the fewest steps are found to a sixteenth, tolerances among 1, 2 and 5 times 10^-n."
+            "For such errors the fewest steps are found to a sixteenth, and the next two numbers that end at the times"
+            " looked at are tried, too; tolerances are among 1, 2 and 5 times 10^-n."
         )
+    lines.append(
+        f"A run counts if all finer ones that were made are as good, or have errors below about {ABOVE} (N + 1) 2^-53"
+        " times the solution's size, which may be rounding."
+    )
     lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
     lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):

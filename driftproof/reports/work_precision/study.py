@@ -16,10 +16,10 @@ from driftproof.methods.catalogue import Entry
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
+from driftproof.numeric.reference_errors import ENDS, Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed, with_cheapest
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -202,12 +202,19 @@ def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve
 
 def _tolerance_for_goal(solver: Callable[[], Solver], study: Study, curve: Curve, goal: float) -> Sequence[Point]:
     """The points with the largest tolerance that meets the goal, of 5 and 2 times the one that does."""
-
-    def loosest(_: Point, met: Point) -> Point:
-        tried = (solver_point(solver(), times * float(met.setting), study) for times in (5, 2))
-        return next((point for point in tried if lasting([point], goal)), met)
-
-    return with_cheapest(curve.points, goal, loosest)
+    points = [*curve.points]
+    for which in reversed(ENDS):
+        decades = [point for point in points if not point.between]
+        if not (met := lasting(decades, goal, which)) or met[-1] is decades[0]:
+            continue
+        for times in (5, 2):
+            tried = replace(solver_point(solver(), times * float(met[-1].setting), study), between=True)
+            others = [point for point in points if point.setting != tried.setting]
+            found = sorted([*others, tried], key=lambda point: -float(point.setting))
+            if tried in lasting(found, goal, which):
+                points = found
+                break
+    return points
 
 
 def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
@@ -263,20 +270,19 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
 
 
 def _with_points_for(goals: Sequence[float], one: _Contestant, curve: Curve) -> Curve:
-    """The curve with the points that the goals ask for, and without those between that belong to others."""
-    between = dict[str, Point]()
-    for goal in goals:
+    """The curve with the points that the goals ask for, the smallest first, and without those of others."""
+    curve = replace(curve, points=[point for point in curve.points if not point.between])
+    for goal in sorted(goals):
         curve = replace(curve, points=one.for_goal(curve, goal=goal))
-        between |= {point.setting: point for point in curve.points if point.between}
-    doubled = [point for point in curve.points if not point.between]
-    refined = lambda point: point.steps or -float(point.setting)
-    return replace(curve, points=sorted([*doubled, *between.values()], key=refined))
+    return curve
 
 
 def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
     """The calls of the points that have errors, each with a timing begun; those not to be timed get a remark."""
     calls: dict[str, Callable[[], object]] = {}
-    points = [point for point in curve.points if isfinite(point.error)]
+    met = [lasting(curve.points, goal, which) for goal in study.wanted for which in ENDS]
+    named = [found[-1] for found in met if found]
+    points = [point for point in curve.points if isfinite(point.error) and (not point.between or point in named)]
     sizes = [point.steps or 1 for point in points]
     for kind, call_at in (made if points else {}).items():
         names = [timing_name(curve.key, kind, point.setting) for point in points]

@@ -11,13 +11,13 @@ from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 
-# Numbers, brackets, roots, powers of e and signs, and a sign of equality behind; what stands before is no part of it.
+# Numbers, brackets, roots, π, powers of e and signs, and a sign of equality behind; what is before is no part of it.
 _CALCULATION = re.compile(
-    r"(?<![\w.,^)\]])(?:log_?2 )?(?:[(√0-9-]|e(?=\^))(?:[-+*/·×^()0-9.√{} ]|e(?=\^))*[0-9)}]"
+    r"(?<![\w.,^)\]])(?:log_?2 )?(?:[(√π0-9-]|e(?=\^))(?:[-+*/·×^()0-9.√π{} ]|e(?=\^))*[0-9)}π]"
     r"(?= ?[=≈] ?(?P<result>[-+]?[0-9.]))"
 )
 _LONGER = re.compile(r"(?:[-+*/·×^√_]|(?<!\w)(?:\w|sin|cos|tan|exp|ln|log|lg)) ?\Z")
-_OPERATOR = re.compile(r"[0-9)}] ?[-+*/·×^] ?[0-9({√]|[√_]|e\^")
+_OPERATOR = re.compile(r"[0-9)}π] ?[-+*/·×^] ?[0-9({√π]|[√_]|e\^|[0-9] ?π")
 # A longer calculation than people print on one line.
 _LONGEST = 80
 
@@ -40,7 +40,7 @@ def calculations_in(text: str) -> list[Calculation]:
     found = []
     for match in _CALCULATION.finditer(text):
         if len(match[0]) <= _LONGEST and _OPERATOR.search(match[0]) and not _LONGER.search(text[: match.start()][-8:]):
-            question = plain(re.sub(r"(?<=[0-9)]) ?(?=[√e])", "*", match[0].replace("×", "*")))
+            question = plain(re.sub(r"(?<=[0-9)π]) ?(?=[√eπ])", "*", match[0].replace("×", "*")))
             question = question.replace("^", "**").replace("{", "(").replace("}", ")")
             question = re.sub(r"\Alog_?2 (.+)", r"log2(\1)", question)
             with suppress(QuestionError):

@@ -58,6 +58,7 @@ STARTING = re.compile(rf"(?:(?![.;,]\s)[^|()]){{0,60}}{_START}(?:(?!\.\s|;\s(?!w
 # Where the sentence goes on with another subject.
 _OF_OTHERS = re.compile(rf"{_START}.*?,\s(?=(?:and|but|while|whereas)\b)", re.DOTALL)
 _STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
+_STARTS_WITH = re.compile(r"\bstarts? (?:with|by|from) (?:\w+ ){0,2}steps? (?:of|with|by)\b")
 _FROM_SOLUTION = re.compile(r"\bexact|\b(?:from|of|by|on|with) (?:the |its )?(?:true |known |analytic\w* )?solution\b")
 # A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
 _METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
@@ -303,7 +304,9 @@ def starters_said(text: str) -> list[str]:
 def starts_said(text: str) -> Iterator[tuple[int, int]]:
     """The spans in which the lower-case text surely says, without a number, what starts a multistep method."""
     for clause in STARTING.finditer(text):
-        if _STARTED.search(clause[0]) and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
+        subject = clause[0][: found.start()] if (found := _STARTS_WITH.search(clause[0])) else ""
+        is_said = _STARTED.search(clause[0]) or methods_named(subject) & {*FURTHER_METHODS}
+        if is_said and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
             yield clause.start(), clause.start() + len(clause[0].rstrip(" ,;:\n"))
 
 
@@ -322,6 +325,16 @@ def name_before(text: str, words: str) -> str | None:
     last = next(reversed([*spoken_names().finditer(text)]), None)
     behind = rf"(?:'s)?(?: (?:method|rule|scheme))?\)?{words}"
     return last[0] if last and re.fullmatch(behind, text[last.end() :]) else None
+
+
+def names_before(text: str, words: str) -> list[str]:
+    """The names of the last methods in the lower-case text that are joined by commas or and, before these words.
+
+    >>> names_before("so heun and rk4 are ", " are ")
+    ['heun', 'rk4']
+    """
+    last = next(reversed([*_lists_of_methods().finditer(text)]), None)
+    return names_in_order(last[0]) if last and re.fullmatch(words, text[last.end() :]) else []
 
 
 def begins_with_method(text: str) -> bool:

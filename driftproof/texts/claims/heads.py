@@ -7,16 +7,29 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import SETTING, methods_named, spoken_names
+from driftproof.texts.claims.contradictions import POSITIVE, SETTING, methods_named, spoken_names
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
-OBSERVED = r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc"
+OBSERVED = (
+    r"(?:observed|experimental|measured|estimated|apparent) (?:\w+ )?(?:orders?|rates?)|orders? observed|eoc|"
+    r"log ?_?2 of (?:the |a )?(?:ratio|quotient)s?(?: of (?:\w+ ){0,2}errors)?"
+)
+# From one step size to another, of a row or a column.
+PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 # The head of a column of observed orders, beside step sizes.
 ORDER_OF_COLUMN = r"(?:convergence )?(?:orders?|rates?)"
+_MOST_OF = r"(?:largest|biggest|greatest|worst|max(?:imum|imal)?\.?)"
+_DRIFT = r"(?:errors?|drift|change|deviation)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
+# What is largest on the way is not what is at the end; no readout gives the largest part of something.
+LARGEST = "largest_"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
+    "largest_part": rf"{_MOST_OF} relative \w+",
+    "largest_energy_change": rf"{_MOST_OF} (?:energy|hamiltonian)(?: {_DRIFT})?|"
+    rf"{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?(?:energy|hamiltonian)",
+    "largest_error": rf"{_MOST_OF} (?:\w+ )?errors?",
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
     "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
@@ -70,8 +83,9 @@ def fact_in_column(head: str) -> str | None:
 
 
 def leaves_quantity(head: str, unknowns: Collection[str]) -> bool:
-    """True if the head of a column names a method or a step size only, so that what is read stands above the table."""
-    named = methods_named(head) or SETTING["h"].search(head) or COUNT_GIVEN.search(head)
+    """True if the head of a column names a method, a step size or a time only: what is read stands above the table."""
+    given = [*(SETTING[x] for x in "ht"), COUNT_GIVEN, PAIR]
+    named = methods_named(head) or any(said.search(head) for said in given)
     of_unknown = HEAD_OF_UNKNOWN.fullmatch(without_methods(head))
     return bool(named) and not QUANTITY.search(head) and not (of_unknown and of_unknown["name"] in unknowns)
 

@@ -148,6 +148,7 @@ class LookAlikes(NamedPlaces):
         of_author = [each for each in possible if each.rank == 2 and each.question in alike]
         is_setting = place.quantity == "chosen" or _SET.search(before)
         sole_asked = of_author[0] if len(of_author) == 1 and not is_setting else None
+        not_run = bool(place.methods) and place.methods.isdisjoint(self._methods_run)  # as a splitting with friction
         unnamed, either_sign = self._is_of_unnamed_method(number), self._of_either_sign(number)
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
@@ -161,6 +162,7 @@ class LookAlikes(NamedPlaces):
             denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
             denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
             denied |= self._changes_otherwise(known, number)
+            denied |= known.stated and bool(known.keys) and not_run
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
             denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
@@ -247,6 +249,11 @@ class LookAlikes(NamedPlaces):
         others = [x for x in self._numbers if first <= x.start < last and x != number and "." in x.text]
         return any(self._place_of(x).quantity in COMPARED for x in others)
 
+    @cached_property
+    def _methods_run(self) -> set[str]:
+        """The methods that have values on the problems of the text."""
+        return set().union(*(known.keys for known in self.values.known if known.stated))
+
     def _is_of_unnamed_method(self, number: TextNumber) -> bool:
         """True in a row whose label is no name of a method, if those of other rows of its column are."""
         if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
@@ -261,9 +268,10 @@ class LookAlikes(NamedPlaces):
         return {f"error_constant {key}" for key in of_one}
 
     def _is_exact(self, known: KnownValue, number: TextNumber) -> bool:
-        """True if this is the solution at the time that the sentence names, and the sentence names no method."""
-        place, told = replace(self._place_of(number), quantity="exact"), len(digits_of(number.text)) > 4
-        told &= asked_quantity(known.question)[0] == "exact" and not self.tables.row_of(number)
+        """True if this is the solution, or its energy, at the time of the sentence, and that names no method."""
+        place, told = replace(self._place_of(number), methods=frozenset()), len(digits_of(number.text)) > 4
+        place = place if place.quantity == "energy" else replace(place, quantity="exact")
+        told &= "exact" in (known.question[:5], asked_quantity(known.question)[0]) and not self.tables.row_of(number)
         return told and not self.methods_beside(number) and place.means(known.question, set())
 
     def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:

@@ -174,9 +174,9 @@ def _spelling_pattern(spelling: str) -> str:
 
 
 def spelled_alike(plain: str, found: str) -> bool:
-    """True if `found` is a spelling of the number `plain` with the same digits, as 3.3e-4 is of 0.00033."""
+    """True if `found` is a spelling of `plain`: with the same digits, as 3.3e-4 is of 0.00033, or of one direction."""
     others = decimal_spellings(plain) if _DECIMAL.fullmatch(plain) else []
-    return plain == found or any(re.fullmatch(_spelling_pattern(other), found) for other in others)
+    return found in words.words_like(plain) or any(re.fullmatch(_spelling_pattern(other), found) for other in others)
 
 
 def _literal_pattern(text: str) -> str:

@@ -25,7 +25,9 @@ from driftproof.texts.claims.contradictions import (
 )
 from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
+    LARGEST,
     ORDER_OF_COLUMN,
+    PAIR,
     QUANTITY,
     QUANTITY_WORDS,
     SETTING_HEADS,
@@ -65,7 +67,8 @@ _TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
-COMPARED, _CERTAIN = {"ratio", "observed_order"}, {"stability", "observed_order"}
+COMPARED = {"ratio", "observed_order"}
+_CERTAIN = {"stability", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
 # Words of a change, which is one of the energy if that is spoken of.
 _CHANGES = (
     "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
@@ -84,7 +87,6 @@ _AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
-PAIR = re.compile(rf"(?:\bfrom\s|\A)(?:h\s?=\s?)?{POSITIVE}\s?(?:to|→)\s(?:h\s?=\s?)?{POSITIVE}")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
@@ -149,8 +151,8 @@ class Place:
     def is_of_others(self, question: str) -> bool:
         """True if the number is said to be of other methods than the question is about, or of the solution."""
         keys, (quantity, _) = methods_asked(question), asked_quantity(question)
-        if quantity == "energy" and question.startswith("exact "):  # of the start
-            return self.own or self.settings.get("t") != 0
+        if quantity == "energy" and question.startswith("exact "):  # of the start, or where no method is named
+            return self.own or (self.settings.get("t") != 0 and bool(self.methods))
         if self.of_solution:
             return quantity in {"state", "error"}
         return self.own and (keys.isdisjoint(self.methods) if keys else {quantity, self.quantity} == {"exact", None})
@@ -199,6 +201,8 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return "fact", ""
     if question.startswith("percent("):
         return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
+    if readout.startswith(LARGEST):
+        return readout, ""
     if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_").removeprefix("position_"), ""
     if readout in ("energy", "energy_change", "relative_energy_change"):
@@ -253,6 +257,9 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
             settings["t"], sure = int(n) * settings["h"], True
     if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
         quantity = "exact"
+    first = next((cell.text for cell in row if cell.text), "")
+    if SETTING["t"].fullmatch(head) and (unknown := HEAD_OF_UNKNOWN.fullmatch(first)):
+        quantity, name = "exact" if _SOLUTION.fullmatch(first) else quantity, unknown["name"]
     if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):
         quantity = "ratio"
     if more := _AFTER.match(text, end):
@@ -284,7 +291,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity = "stability"
     compared = () if row else methods_compared(before, after)
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
-    pairs = PAIR.findall(said_before if not row else row[0].text or row[1].text)
+    pairs = PAIR.findall(said_before if not row else head if PAIR.fullmatch(head) else row[0].text or row[1].text)
     if quantity in COMPARED and not compared and pairs:
         settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
     elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:

@@ -45,8 +45,8 @@ EFFORT = 1 / 20
 # Bits of precision: enough for the digits of any number of a text; for what the author asks, of some hundred steps.
 _MOST_BITS = 256
 _MOST_BITS_ASKED = 8 * _MOST_BITS
-# The question for a value as a percentage.
-SHARE = "percent({}, 1)"
+# The questions for a value as a percentage, and for its size.
+SHARE, SIZE = "percent({}, 1)", "abs({})"
 # The oscillator of the lesson, as a question states it.
 _LESSON = re.compile(r"(?:^| )(\w+)'=(\w+), \2'=-(?:1 ?\*? ?)?\1, \1\(0\)=1, \2\(0\)=0")
 # A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
@@ -191,6 +191,10 @@ class PossibleValues:
                 continue  # of a name that means several methods, one that is named in full nearby
             with suppress(ValueError, Refused):  # a method that is not for the problem, or a solution that ends
                 asked.append(KnownValue(question, self.limited(question, EFFORT), chosen, stated=True))
+        sizes = [k for k in asked if k.question.endswith(": largest_energy_change") and not k.stated]
+        asked += [
+            replace(k, question=SIZE.format(k.question), answer=NUMBER_FUNCTIONS["abs"][0](k.answer)) for k in sizes
+        ]
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
         shares = [replace(k, question=SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]

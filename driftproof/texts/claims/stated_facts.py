@@ -233,30 +233,33 @@ class Said(NamedTuple):
 def properties_in(text: str) -> Iterator[Said]:
     """The sentences of a text in canonical spelling that say of methods that they have a property or have it not.
 
-    They name one method or several, as in "neither A nor B is"; "both are" is said of the two that are named before.
+    They name one method or several, as in "neither A nor B is", and one or two properties, as in "is neither A- nor
+    L-stable"; "both are" is said of the two that are named before.
     """
     what, of = "|".join(_PROPERTIES), rf"(?:{spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?"
     said = rf"(?:(?:(?P<none>neither )(?:the )?)?(?P<of>{of}(?:(?:, | and |, and | nor )(?:the )?{of})*)"
-    said += rf"(?:, [^,.;]{{1,30}},)?|(?P<two>both|neither)) (?:is|are)(?: both| also)? (?P<no>not )?(?P<what>{what})\b"
-    said += rf"(?: (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?(?! ?\?)"
+    said += r"(?:, [^,.;]{1,30},)?|(?P<two>both|neither)) (?:is|are)(?: both| also)? "
+    said += rf"(?:(?P<no>not )?(?P<what>{what})\b(?:,? (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?|"
+    said += rf"neither (?P<first>a-|l-|{what}) nor (?P<second>{what})\b)(?! ?\?)"
     lower = text.lower()
     # A hyphen or the end of a line may stand for each blank of a name.
     for match in re.finditer(re.sub(r"\\? ", "[-_ \n]", said), lower):
         before = re.split(r"[.?!]\s|\n\n", lower[max(0, match.start() - _FARTHEST) : match.start()])[-1]
         names = names_in_order(match["of"] or before)
-        none = "neither" in (match["none"] or match["two"] or "")
+        none = "neither" in (match["none"] or match["two"] or "") or match["first"] is not None
         said_of = re.sub("neither|nor" if none else "\n\n", "", match[0])  # what else is in doubt
         if IN_DOUBT.search(before + said_of) or _OF_METHODS.search(before):
             continue
         if match["two"] and (len(names) != 2 or _NO_TWO.search(before)):
             continue
         phrase = text[slice(*match.span())].replace("\n", " ")
-        for no, fact in ((x, _PROPERTIES[match[y]]) for x, y in (("no", "what"), ("no2", "what2")) if match[y]):
+        found = (("no", "what"), ("no2", "what2"), ("no", "first"), ("no", "second"))
+        for no, fact in ((x, _PROPERTIES[re.sub("-$", "-stable", match[y])]) for x, y in found if match[y]):
             for name in names:
-                answer, found = "no" if match[no] or none else "yes", dict[str, str | None]()
+                answer, has = "no" if match[no] or none else "yes", dict[str, str | None]()
                 for key in sorted(methods_named(name)):  # of leapfrog, both
                     with suppress(ValueError):  # a fact that a multistep method has not
-                        found[key] = value(f"{fact} {key}").exact_text
-                if {*found.values()} in ({"yes"}, {"no"}):
-                    question = f"{fact} {next(iter(found))}"
-                    yield Said(match.start(), phrase, question, answer, answer in found.values())
+                        has[key] = value(f"{fact} {key}").exact_text
+                if {*has.values()} in ({"yes"}, {"no"}):
+                    question = f"{fact} {next(iter(has))}"
+                    yield Said(match.start(), phrase, question, answer, answer in has.values())

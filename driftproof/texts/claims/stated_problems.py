@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -50,12 +50,16 @@ _ANGLES = {"theta", "phi", "alpha", "varphi"}
 
 @dataclass(frozen=True)
 class StatedProblem:
-    """Rates by the names of the unknowns, an energy if it is given, and the part of the text, from `at`, about them."""
+    """Rates by the names of the unknowns, an energy if it is given, and the part of the text, from `at`, about them.
+
+    It is an `aside` where the text says what an unknown is in those of a problem before, as in A = 0.3 N.
+    """
 
     rates: dict[str, str]
     part: str
     at: int
     energy: str | None = None
+    aside: bool = False
 
     @property
     def equations(self) -> str | None:
@@ -178,9 +182,17 @@ def stated_problems(text: str) -> Iterator[StatedProblem]:
             if len(rates) == len(raw) and None not in over.values() and rates not in known:
                 known.append(rates)
                 energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*names}), None)
-                yield StatedProblem(rates, part[begins:], begins, energy)
+                aside = _is_aside(raw, [*chain(*(of for at, of, _ in systems if at < start))], spelled)
+                yield StatedProblem(rates, part[begins:], begins, energy, aside)
         if not known:
             yield StatedProblem({}, part[begins:], begins)
+
+
+def _is_aside(names: Iterable[str], before: Collection[str], text: str) -> bool:
+    """True if the text says that one of the names is a formula in the unknowns `before`, themselves no names."""
+    said = rf"(?<![\w'(])(?:{'|'.join(names)}) ?= ?([^=≤≥≈<>:;,]{{1,100}})"
+    formulas = (_ENDS_RATE.split(found[1])[0] for found in re.finditer(said, text))
+    return any({*_WORD.findall(re.sub(r"\w+'", "", one))} & {*before} - {*names} for one in formulas)
 
 
 def _lead(text: str, at: int) -> str | None:
@@ -208,8 +220,8 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({NUMBER})", text):
         raw = raw.replace(ratio, value)
     raw = re.sub(rf"(\^[0-9]+) (?=(?:{'|'.join(names)})\b)", r"\1*", plain(raw))  # L^2 dtheta^2
-    # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
-    factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])"
+    # Not before a sign, an unknown, another letter or a power, so that x' = 2/3 k x is not read as x' = 2/3.
+    factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])|[^\W\d]\w* ?\^"
     bracket = rf"\((?:[-+0-9(]|(?:{'|'.join(names)})\b)"
     ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:{factor}|{bracket}))", raw)
     for end in (len(raw), *reversed([match.start() for match in ends])):

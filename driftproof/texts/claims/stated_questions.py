@@ -19,7 +19,7 @@ from driftproof.texts.claims.contradictions import (
     sentence_around,
     starters_said,
 )
-from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, is_head_of
+from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, QUANTITY, is_head_of
 from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
@@ -62,9 +62,10 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
         # Where the equations stand again without a start, it is that of before.
         if equations := (problem.equations or known.get(rates) if rates else None):
             known[rates] = equations
+        if problem.aside or not equations:  # what is said in passing does not end the problem before it
+            found = [(one.going_on(problem), said) for one, said in found]
+        if equations:
             found.append((problem, equations))
-        else:  # an equation in passing does not end what is said of the problem before it
-            found = [(one.going_on(problem), equations) for one, equations in found]
     asked = (_questions(*one, text, column_of) for one in found)
     return list(dict.fromkeys(chain(*asked, _stability_questions(text, column_of))))
 
@@ -120,10 +121,12 @@ def _questions(
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     if problem.energy:
-        yield f"exact {equations}, energy={problem.energy}, t=0 : energy"
+        yield f"exact {equations}, energy={problem.energy}, t={{{','.join(['0', *filter(None, [ends])])}}} : energy"
     errors = ["error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
-    read = [*problem.rates, *errors]
-    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    errors += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    spoken_of = {found.lastgroup for found in QUANTITY.finditer(part.lower())}
+    changes = ["energy_change", *["largest_energy_change"] * ("largest_energy_change" in spoken_of)]
+    read = [*problem.rates, *errors, *["largest_error"] * ("largest_error" in spoken_of)]
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part)) + ["steps"] * bool(_TAKES.search(part))
     of = {key: f"{key} started={starters[-1]}" if key in multistep else key for key in spoken}
@@ -147,8 +150,8 @@ def _questions(
                 yield f"run {methods} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
                 if problem.energy:
                     conserved = f"run {methods} {equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
-                    yield f"{conserved} : {{energy,energy_change}}"
-                    yield f"abs({conserved} : energy_change)"
+                    yield f"{conserved} : {{{','.join(('energy', *changes))}}}"
+                    yield from (f"abs({conserved} : {change})" for change in changes)
                     relative = [f"{conserved} : relative_energy_change", f"abs({conserved} : relative_energy_change)"]
                     shares = map(SHARE.format, relative) if "%" in part else ()
                     yield from relative if "relative energy" in part.lower() else shares

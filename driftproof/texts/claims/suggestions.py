@@ -18,7 +18,7 @@ from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, slips, spelled
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
-from driftproof.texts.claims.possible_values import SHARE, KnownValue
+from driftproof.texts.claims.possible_values import SHARE, SIZE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.readers.number_words import is_trend, opposite
@@ -45,7 +45,7 @@ class Suggestions(LookAlikes):
         """
         asked = [known for known in self.values.known if known.rank == 2 and known.question in self.values.asked]
         missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
-        shares = {SHARE.format(question): question for question in missed}
+        shares = {form.format(question): question for question in missed for form in (SHARE, SIZE)}
         for number in (each for each in numbers_in(self.text) if missed and each.label is None):
             for alike in self.look_alikes(number):
                 question = shares.get(alike.question, alike.question)

@@ -9,13 +9,14 @@ from functools import lru_cache
 from itertools import chain, dropwhile, pairwise
 from typing import NamedTuple
 
-from driftproof.texts.claims.heads import STEP, is_head_of, is_of_steps
+from driftproof.texts.claims.heads import PAIR, STEP, is_head_of, is_of_steps
 from driftproof.texts.readers.numbers import TextNumber
 
 # What separates the cells of a row, also on a page of a wiki.
 _CELL = re.compile(r"\|\|?|!!|^!")
 # A line of cells: it begins with a sign of cells, or blanks are around one, unlike the bars of |x|.
 _IS_ROW = re.compile(r"^[|!{]|!!|(?<=\s)\|\|?(?=\s|$)")
+_NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+|/[0-9]+)?")
 # A head in bold on a page of a wiki.
 _BOLD = re.compile(r"\A'{2,3}(.*)'{2,3}\Z")
 
@@ -78,6 +79,7 @@ class TextTables:
             above, start = cells, start + len(line) + 1
         for rows in self._tables.values():
             _mark_steps(rows)
+            _mark_settings(rows)
 
     def _at(self, place: int) -> tuple[int, list[Cell]]:
         """The place where the table begins that has this place in it, and its row there; -1 and [] outside tables."""
@@ -110,7 +112,7 @@ class TextTables:
     def head_at(self, start: int) -> str:
         """The head of the column of what begins there, as the text writes it; "" for a number and outside tables."""
         head = next((cell.head_written for cell in self._at(start)[1] if cell.start <= start < cell.end), "")
-        return "" if re.match("[-+.]?[0-9]", head) else head
+        return "" if re.match("[-+.]?[0-9]", head) and not PAIR.fullmatch(head) else head
 
     def stands_at(self, address: Address, start: int) -> bool:
         """True if what begins there is in such a row and column."""
@@ -166,6 +168,18 @@ def _mark_steps(rows: list[list[Cell]]) -> None:
         if cells and is_of_steps(cells[0].head_written, [cell.written for cell in cells], heads):
             for row in rows:
                 row[i : i + 1] = [cell._replace(head=STEP) for cell in row[i : i + 1]]
+
+
+def _mark_settings(rows: list[list[Cell]]) -> None:
+    """Call the columns of a table "t = 1", "t = 2" whose first row begins with t and has numbers behind it."""
+    label, *given = [(i, cell) for i, cell in enumerate(rows[0]) if cell.written] or enumerate(rows[0])
+    letter = next((x for x in "htz" if is_head_of(x, label[1].text)), "")
+    if letter and len(given) > 1 and all(_NUMBER.fullmatch(cell.text) for _, cell in given):
+        for i, cell in given:
+            rows[0][i] = cell._replace(head=letter, head_written=letter)
+            for row in rows[1:]:
+                head = f"{letter} = {cell.text}"
+                row[i : i + 1] = [one._replace(head=head, head_written=head) for one in row[i : i + 1]]
 
 
 def _has_numbers(cells: Iterable[str]) -> bool:

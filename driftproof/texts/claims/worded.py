@@ -13,15 +13,20 @@ from driftproof.texts.claims.contradictions import (
     last_methods_named,
     methods_named,
     name_before,
+    names_before,
     names_in_order,
     spoken_names,
 )
-from driftproof.texts.claims.places import COMPARED, PAIR, asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.heads import PAIR
+from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings, runs_asked
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.
 _OF_PART = re.compile(r"\b(?:errors?|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b")
 _IS_OF = r" (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? "
+_ARE_OF = r" (?:are|were)(?: also| both| all)? of(?: the)? "
+_SAID_BEFORE = re.compile(r" (?:is|are|was|were)(?: also| both| all)? of(?: the)? \w+ order\b")
+_ABOUT = r"(?:about |roughly |nearly |almost |approximately )?"
 _CALLED = (
     r" order (?:accurate |explicit |implicit )*(?:(?:adams \w+|runge kutta|bdf)(?: method| scheme| formula)? \(?)?"
 )
@@ -29,11 +34,13 @@ _ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| metho
 # Before a step that gets smaller, or larger; and the step sizes from one to another.
 _GETS = {
     -1: re.compile(
-        r"\bhal(?:ving|ves?|f)(?: of)?(?: the| its)? (?:time )?step|\bstep(?: ?size)?(?: \w+){0,2} halved|"
+        r"\bhal(?:ving|ves?|f)(?: of)?(?: the| its)? (?:(?:time )?step|h\b)|"
+        r"\b(?:step(?: ?size)?|h)(?: \w+){0,2} halved|"
         r"\b(?:smaller|shorter|finer) (?:time )?step"
     ),
     1: re.compile(
-        r"\b(?:doubl(?:ing|es?)|twice)(?: of)?(?: the| its)? (?:time )?step|\bstep(?: ?size)?(?: \w+){0,2} doubled|"
+        r"\b(?:doubl(?:ing|es?)|twice)(?: of)?(?: the| its)? (?:(?:time )?step|h\b)|"
+        r"\b(?:step(?: ?size)?|h)(?: \w+){0,2} doubled|"
         r"\b(?:larger|longer|coarser) (?:time )?step"
     ),
 }
@@ -62,9 +69,12 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     if after.startswith(" order"):
         if _OF_PART.search(before) or IN_DOUBT.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
             return None
-        name = name_before(before, _IS_OF) if _ENDS_ORDER.match(after) else None
+        verb = rf"{_IS_OF}| of " if _SAID_BEFORE.search(before) else _IS_OF  # RK4 is of fourth order, Heun of second
+        name = name_before(before, verb) if _ENDS_ORDER.match(after) else None
         name = name or (_name_behind(after, _CALLED) if adjective else None)
-        return fact_of("order", methods_named(name)) if name else None
+        listed = names_before(before, _ARE_OF) if _ENDS_ORDER.match(after) else []
+        own = methods_named(name) if name else methods_named(", ".join(listed)) if listed[1:] else set[str]()
+        return fact_of("order", own) if own else None
     if found := re.search(r"\bstable (?:for|at|with) \Z", before):
         only = re.match(r" (?:h|(?:time )?step ?sizes?)(?= at all|[,;:)]|\.? ?\Z| and | but | > 0)", after)
         return limit_of_steps(last_methods_named(before[: found.start()]), equation, "h") if only else None
@@ -73,7 +83,11 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
         return None
     if word in _POWERS_OF_TWO:
         of_error = re.search(r"\b(?:errors?|that) of (?:the )?\S+(?: \S+){0,4} \Z", before)
-        name = name_before(before, " (?:is |becomes )?") if of_error and re.match(" times (?!.*than)", after) else None
+        name = (
+            name_before(before, rf" (?:is |becomes )?{_ABOUT}")
+            if of_error and re.match(" times (?!.*than)", after)
+            else None
+        )
     else:
         name = _name_behind(after, " the errors? of (?:the )?")
     order = fact_of("order", methods_named(name)) if name else None

@@ -16,7 +16,7 @@ LOCAL = ("local_error", "local_truncation_error", "one_step_error")
 PER_STEP = "_per_step"
 _NAMES = (
     *("q", "v", "h", "state_error", "phase_error", "largest_error", "relative_error"),
-    *("energy", "energy_change", "steps", "evaluations"),
+    *("energy", "energy_change", "relative_energy_change", "largest_energy_change", "steps", "evaluations"),
 )
 
 # Readout or synonym -> readout. Before "of METHOD" it asks for a readout of a run.
@@ -25,6 +25,7 @@ READOUT_WORDS = {
     **dict.fromkeys(("error", "errors", "global_error", *LOCAL), "state_error"),
     **dict.fromkeys(("max_error", "maximum_error", "maximal_error"), "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
+    **dict.fromkeys(("largest_energy_error", "largest_energy_drift", "max_energy_error"), "largest_energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
     **dict.fromkeys(("number_of_function_evaluations", "evaluations_of_f", "f_evaluations"), "evaluations"),
     **{"number_of_steps": "steps", "step_size": "h", "position": "q", "velocity": "v"},

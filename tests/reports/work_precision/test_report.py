@@ -74,15 +74,15 @@ def three_curves():
 def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_the_end():
     asked = replace(study("rk4"), wanted=[2.5e-4])
     shown = report.study_text(asked, three_curves())
-    first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations\n"
-    there = "There the largest error on the way, looked at 1 time, is 0.010; for one of 2.5e-4, "
-    way = "steady with h = 1/2, N = 20: 20 evaluations; largest error of the energy on the way 0.00010"
-    assert shown.startswith(f"{first}{there}{way}; looked at 1 time\n\n")
+    first = "For an error of at most 2.5e-4 at the end, lucky with h = 5/8, N = 16: 16 evaluations; "
+    there, way = "largest error on the way 0.010; looked at 1 time\n", "steady with h = 1/2, N = 20: 20 evaluations"
+    way += "; largest error of the energy on the way 0.00010; looked at 1 time"
+    assert shown.startswith(f"{first}{there}For an error of at most 2.5e-4 on the way, {way}\n\n")
     both = report.study_text(replace(asked, wanted=[2e-2]), three_curves())
     floor = "floor with h = 5/4, N = 8: 8 evaluations; looked at 1 time"
     assert both.startswith(f"For an error of at most 2e-2 at the end and on the way, {floor}\n\n")
     goals = report.study_text(replace(asked, wanted=()), three_curves())
-    assert "on the way:" not in shown
+    assert "By the largest error on the way:" not in shown
     assert goals.count("By the largest error on the way: none of these runs") == 2
     assert shown.count("Least work for an error at the end of at most") == 1
     (found,) = report.errors_json(asked, three_curves())["least_work"]
@@ -90,19 +90,23 @@ def test_the_least_work_by_the_largest_error_stands_below_that_by_the_error_at_t
     timed = three_curves()
     for key, setting, seconds in (("lucky", "16", 3e-6), ("steady", "20", 2e-6), ("floor", "16", 1e-6)):
         timed.timings[timing_name(key, "python", setting)] = Timing(samples=[seconds])
-    shown = report.study_text(asked, timed)
-    assert "evaluations\nIn the least time (Python), steady with h = 1/2, N = 20: 2.00 µs\nThere" in shown
+    end, quickest, way, again = report.study_text(asked, timed).splitlines()[:4]
+    assert (f"{end}\n", way[:38]) == (f"{first}{there}", "For an error of at most 2.5e-4 on the ")
+    steady = "In the least time (Python), steady with h = 1/2, N = 20: 2.00 µs; largest error on the way 0.00010; "
+    assert quickest.startswith(steady), "that of this run, not of the one above"
+    assert again == "In the least time (Python), the same run: 2.00 µs"
     timed.timings[timing_name("lucky", "compiled", "16")] = Timing(samples=[1e-6])
-    assert "In the least time (compiled), lucky with h = 5/8, N = 16: 1.00 µs\nThere" in report.study_text(asked, timed)
+    assert "\nIn the least time (compiled), the same run: 1.00 µs\nFor" in report.study_text(asked, timed)
     none = report.study_text(replace(asked, wanted=[1e-9]), three_curves())
-    assert none.startswith("For an error of at most 1e-9 at the end, none of these runs\n\n")
+    assert none.startswith("For an error of at most 1e-9 at the end and on the way, none of these runs\n\n")
 
 
 def test_a_run_is_recommended_only_if_all_finer_ones_are_as_good_but_for_rounding():
     """Radau's steps of a period of the force were right by chance; half the step had an error 24 times as large."""
 
     def found(*errors, doubt=0.0):
-        points = [Point(str(n), n, {"state": Size(e, e)}, doubt, 1.0, steps=n) for n, e in enumerate(errors, 1)]
+        sizes = [{"state": Size(e, e)} if e < inf else {} for e in errors]
+        points = [Point(str(n), n, size, doubt, 1.0, steps=n) for n, size in enumerate(sizes, 1)]
         measured = Measured({"a": Curve("a", "a", 1, points)})
         rows, best = report.goal_rows(measured, ["evaluations"], 1e-3), report.least_work(measured, 1e-3, "final")
         return rows[1][1], best and best[1].steps
@@ -110,13 +114,23 @@ def test_a_run_is_recommended_only_if_all_finer_ones_are_as_good_but_for_roundin
     assert found(1e-3, 2e-2, 1e-3, 1e-4) == ("3 *", 3)
     assert found(1e-3, 1e-3, 1e-3, 1e-4) == ("1 *", 1)
     assert found(1e-3, 2e-2) == ("met, but not in finer runs", None)
-    assert found(1e-3, 2e-3, doubt=2e-3) == ("1 *", 1)
+    assert found(1e-3, 3.2e-2, doubt=1e-3) == ("1 *", 1), (
+        "what is no more than 32 times as large is said to be rounding"
+    )
+    assert found(1e-3, 3.3e-2, doubt=1e-3) == found(1e-3, inf, 1e-3, 2e-2) == ("met, but not in finer runs", None)
+    assert found(1e-3, inf, 1e-3, inf) == ("3 *", 3), "the last may be too long, one between is not as good"
 
 
 def test_what_was_not_tried_is_not_said_to_be_not_met():
     measured = three_curves()
     met = [row[1] for row in report.goal_rows(measured, ["evaluations"], 1e-6)[1:]]
     assert met == ["not reached by N = 16: 1.0e-4", "not reached by N = 20: 1.0e-4", "not met: 0.001"]
+    failed = [Point("8", None, remark="overflows", steps=8), Point("16", None, remark="not run: too long", steps=16)]
+    overflows = Measured({key: Curve(key, key, 1, failed[i:]) for i, key in enumerate("ab")})
+    assert [row[1] for row in report.goal_rows(overflows, ["evaluations"], 1e-6)[1:]] == [
+        "not reached by N = 8: none",
+        "-",
+    ]
     shown = report.study_text(study("rk4"), measured)
     assert "Longer runs than those are not made: 1048576 steps, of implicit methods 1024, at most" in shown
     assert "Longer runs" not in report.study_text(replace(study("rk4"), wanted=[2e-4]), measured)
@@ -130,6 +144,8 @@ def test_errors_have_two_digits_and_seconds_three_in_their_unit():
     found = [Curve("a", "A", 1, [Point("8", 8, {"state": Size(error, error)})]) for error in ERRORS]
     rows = report.order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
     assert [row[3] for row in rows] == ["least error", *ERRORS.values(), "none"]
+    (row,) = report.order_rows(Measured({"a": found[5]}), digits=("0.1", "2.5e-9"))[1:]
+    assert row[3] == "below 0.051"
     stated = stated_orders(replace(METHODS[key], claimed_order=claim) for key, claim in (("kutta3", 4), ("rk4", 0)))
     own = {key: Curve(key, "Mine", 0, []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")}
     orders = [row[1] for row in report.order_rows(Measured(own), stated=stated)]
@@ -196,7 +212,7 @@ def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_t
     assert head.splitlines() == [
         "Reference exact: (cos t, -sin t), in ball arithmetic",
         "Half a unit of its last digits: 7.1e-21",
-        "Rounding floor of the state, u |y(t)|: 1.1e-16",
+        "Rounding of the exact state, u |y(t)|: 1.1e-16; that of a run may be larger",
     ]
     assert remarks.startswith("a at N = 16: over\nno times (compiled) for a: why\nTimes are the least")
     assert "half of the spreads are below 75 %" in remarks

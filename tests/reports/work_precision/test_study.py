@@ -187,16 +187,16 @@ def test_methods_that_tell_their_error_also_choose_their_steps():
 
 
 def test_the_largest_tolerance_for_an_error_is_among_one_two_and_five():
-    """A solver whose error is its tolerance: 1e-6 meets 3e-6, and so does 2e-6; each goal starts from the decades."""
+    """A solver whose error is its tolerance, and three times as large on the way; each goal starts from the decades."""
 
     class Solver:
         once = 1
         counted = staticmethod(lambda tolerance, t, most: 7)
-        solve = staticmethod(lambda tolerance, t: [math.cos(t) + tolerance, -math.sin(t)])
+        solve = staticmethod(lambda tolerance, t: [math.cos(t) + tolerance * (1 if t == 10 else 3), -math.sin(t)])
 
     asked = study("rk4")
     curve = work_precision._solver_curve("x", Solver, asked)
-    for goal, between in ((3e-6, ["2e-06"]), (1e-5, ["5e-06"]), (1e-9, [])):
+    for goal, between in ((3.1e-6, ["2e-06"]), (7e-6, ["5e-06", "2e-06"]), (1.6e-5, ["5e-06"]), (1e-9, [])):
         points = work_precision._tolerance_for_goal(Solver, asked, curve, goal)
         assert [point.setting for point in points] == ["1e-03", *between, "1e-06"]
         again = dataclasses.replace(curve, points=points)
@@ -205,8 +205,13 @@ def test_the_largest_tolerance_for_an_error_is_among_one_two_and_five():
 
 def test_an_error_that_is_wanted_is_met_with_fewer_steps_than_a_doubling():
     """To leading order RK4 errs by 10 h⁴/120, which is 0.00998 for N = 17, and 0.0127 for N = 16."""
-    found = measure(dataclasses.replace(study("rk4"), wanted=[1e-2, 1e-1]), None, unheard)
-    assert [point.steps for point in found.curves["rk4"].points if point.between] == [10, 17]
+    asked = dataclasses.replace(study("rk4"), wanted=[1e-2, 1e-1])
+    found = measure(asked, None, unheard)
+    met = [curves.lasting(found.curves["rk4"].points, goal)[-1].steps for goal in asked.wanted]
+    assert met == [17, 10]
+    assert {16, 17, 18, 19, 10, 11, 12} <= {point.steps for point in found.curves["rk4"].points}
+    timed = {n for n in range(20) if f"rk4 | python | {n}" in found.timings}
+    assert timed == {8, 10, 16, 17}, "those beside them only tell that no luck is named"
     text = study_text(dataclasses.replace(study("rk4"), wanted=[1e-2, 1e-1]), found)
     assert "rk4 with h = 10/17, N = 17: 68 evaluations" in text
     assert "the fewest steps are found to a sixteenth" in text

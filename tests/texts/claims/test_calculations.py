@@ -15,6 +15,8 @@ from driftproof.texts.readers.document import document_of
         ("h < 2/0.8 = 2.5", "2/0.8", "2.5000"),
         ("y_1 = 5 - 0.25 · 4 = 4", "5 - 0.25 * 4", "4.0000"),
         ("√2/2 ≈ 0.7071", "sqrt(2)/2", "0.7071"),
+        ("2π ≈ 6.2832", "2*pi", "6.2832"),
+        ("2π √(1/4) ≈ 3.1416", "2*pi*sqrt(1/4)", "3.1416"),
         ("√(2 + 1) = 1.7321", "sqrt(2 + 1)", "1.7321"),
         ("log_2 2.028 = 1.0201", "log2(2.028)", "1.0201"),
         ("2^{10} = 1024", "2**(10)", "1024.0000"),
@@ -39,6 +41,7 @@ def test_calculation_is_a_question(text, question, places):
         "1/0 = 3",
         "2 + 1",
         "5/3 of it",
+        "π ≈ 3.1415",  # cut off
     ],
 )
 def test_part_of_a_formula_is_none(text):

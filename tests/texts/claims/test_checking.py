@@ -177,6 +177,13 @@ def test_value_in_words_is_held_and_other_words_are_found(readout, how, right, w
     assert instead == found != expected in one.spellings()["value"]
 
 
+def test_a_word_of_the_right_direction_is_not_found_beside_a_wrong_number():
+    values = '{a = {ask = "power(2, order heun2)", spelled = "words"}, b = {ask = "-order heun2", spelled = "trend"}}'
+    (one,) = parse_claims(f'[[claim]]\nid="a"\nphrase="is {{a}} times {{b}}"\nvalues={values}').claims
+    found = [findings(f"It is {said} times {how}.", one) for said, how in (("four", "smaller"), ("two", "smaller"))]
+    assert [[instead for *_, instead in each] for each in found] == [[], ["two"]]
+
+
 def test_words_that_no_phrase_holds_are_told():
     document = document_of("The error is 0.33 after 40 steps, two of sixteen. It uses one, 0.5, and grows.")
     one = claim("two of sixteen. It uses one, {value}", "given = true", "0.5")

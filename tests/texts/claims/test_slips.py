@@ -399,7 +399,11 @@ MOVES = "x'' = -4x, x(0) = 1, x'(0) = 0, E = v^2/2 + 2x^2, h = 0.1.\n| method | 
 PAIRS = "y' = -y, y(0) = 1, to t = 1 with h = 0.1: Heun, Ralston, Euler, RK4, the 3/8 rule, Kutta's third-order method"
 
 
+PAIRED = f"{DECAY} Observed orders, log_2 of the ratio of two errors:\n| method | 0.2 to 0.1 | 0.1 to 0.05 |\n| RK4 | "
 MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 - cos(θ), ω = θ'. "
+FALLS = MINE.replace("sin(θ)", "sin(θ) - 0.2θ'")
+LARGEST = f"{MINE}\n| method | energy change at t = 2 | largest energy change |\n| Verlet, h = 0.1 | -0.001262 | "
+TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 with velocity Verlet. "
 
 
 @pytest.mark.parametrize(
@@ -409,6 +413,10 @@ MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 
         (f"{DECAY} Halving the step from 0.2 to 0.1 divides the error of RK4 by 18.1", "18.1", "", "20.6"),
         (f"{DECAY}\n| method | y |\n| Heun | 0.105340 |\n| Kutta's third | 0.099747 |", "0.099747", "", "0.099527"),
         (f"{DECAY}\n| method | y |\n| BS3 | 0.099147 |\n| Nemo's | 0.099147 |", "0.099147", "", ""),
+        (f"{DECAY}\n| t | 0.4 | 1 |\n| y(t) | 0.602388 | 0.099574 |", "0.602388", "exact", ""),
+        (f"{DECAY}\n| t | 0.4 | 1 |\n| y(t) | 0.099574 | 0.602388 |", "0.602388", "", "0.099574"),
+        (f"{DECAY}\n| h | 0.2 | 0.1 |\n| RK4 error | 5.35e-04 | 2.59e-05 |", "5.35e-04", "h=0.2, t=1", ""),
+        (f"{DECAY}\n| h | 0.2 | 0.1 |\n| RK4 error | 2.59e-05 | 5.35e-04 |", "2.59e-05", "", ""),  # exchanged
         (f"{DECAY} With h = 0.2 the pair of Cash and Karp has y_1 = 1.097660", "1.097660", "", "1.097621"),
         (f"{SWINGS}At the start it is E = -0.362358. At t = 2 RK4 has ω = -1.0872045", "-0.362358", "", ""),
         (f"{SWINGS}RK4 swings. At t = 2 the pendulum is at ω = -1.0872045", "-1.0872045", "exact", ""),
@@ -416,6 +424,8 @@ MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |", "-0.00442", "relative_energy_change", ""),
         (f"{MOVES}| RK4 | 1.9999116 | -0.00442 % |\n| Verlet | 1.993773 | 0.311 % |", "0.311", "", "-0.311"),
         (f"{MOVES}| RK4 | 19.999116 | -0.00442 % |", "19.999116", "", "1.9999116"),
+        (f"{PAIRED}4.367 | 4.181 |", "4.367", "log2(", ""),
+        (f"{PAIRED}4.376 | 4.181 |", "4.376", "", "4.367"),
         (f"{DECAY} Halving it, Heun's errors fall by factors of 4.580 and 5.494", "4.580", "", ""),
         (f"{PAIRS}. Dormand-Prince arrives at 0.367879442", "0.367879442", "dormand_prince54", ""),
         (f"{PAIRS}, BS3, BS5, RKF45, RKF78, midpoint RK2. DVERK arrives at 0.367879442", "0.367879442", "", ""),
@@ -426,10 +436,16 @@ MINE = "θ'' = -sin(θ), θ(0) = 1.2, θ'(0) = 0, with the energy E = (1/2)ω^2 
         (f"{DECAY} With h = 0.1 RK4\nis off by 5.35e-04", "5.35e-04", "", "2.59e-5"),
         (f"{DECAY} The companion of BS3 with h = 0.2 is 1.0844", "1.0844", "embedded.y", ""),
         (f"{DECAY} The error estimate of BS3 with h = 0.2 is 0.00360", "0.00360", "estimate.y", ""),
+        (f"{FALLS}At t = 2 the energy has fallen to -0.577289. RK4 has h = 0.1", "-0.577289", "exact ", ""),
+        (f"{FALLS}At t = 2 the energy has fallen to -0.577298. RK4 has h = 0.1", "-0.577298", "", "-0.577289"),
+        (f"{FALLS}Euler goes like symplectic Euler, h = 0.1:\n| t | ω |\n| 0.1 | -0.0932039 |", "-0.0932039", "", ""),
         (f"{MINE}The energy is -0.362358 at the start. RK4 has h = 0.1", "-0.362358", "exact ", ""),
         (f"{MINE}The energy is 0.362358 at the start. RK4 has h = 0.1", "0.362358", "", "-0.362358"),
         (f"{MINE}With h = 0.1, the energy of RK4 has fallen by 8.7e-8 at t = 2", "8.7e-8", "abs(", ""),
         (f"{MINE}With h = 0.1, the energy of RK4 has risen by 8.7e-8 at t = 2", "8.7e-8", "", ""),
+        (f"{LARGEST}-0.001423 |", "-0.001423", "largest_energy_change", ""),
+        (f"{LARGEST}-0.001262 |", "-0.001262", "", ""),  # at the end
+        (f"{TWO}From h = 0.2 to h = 0.1 the position error falls by a factor of 4.060", "4.060", "position_error", ""),
         ("On y' = -2y AB3 needs h ≤ 0.3", "0.3", "", ""),
         ("On y' = -2y AB3 needs h ≤ 0.27", "0.27", "real_limit", ""),
     ],

@@ -84,6 +84,12 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         ("Doubling the step [doubles] the error of Euler.", "power(2, order forward_euler)", None),
         ("Halving the step makes that of RK4 [four] times smaller.", "power(2, order rk4)", "sixteen"),
         ("Halving the step makes that of RK4 sixteen times [larger].", "-power(2, order rk4)", "smaller"),
+        ("Halving h [doubles] the error of Euler's method.", "1/power(2, order forward_euler)", "half"),
+        ("Halving h halves the error of Euler and makes that of RK4 about [four] times smaller.",
+         "power(2, order rk4)", "sixteen"),
+        ("AB2 and the trapezoidal rule are of [third] order.", "order adams_bashforth2", "two"),
+        ("RK4 and Heun's method are of [second] order.", None, None),
+        ("RK4 is of fourth order and symplectic Euler of [second] order.", "order symplectic_euler", "one"),
         ("On x'' = -x forward Euler is stable for [no] h at all.", "imaginary_limit forward_euler", None),
         ("On x'' = -x forward Euler is stable for [every] h.", "imaginary_limit forward_euler", "zero"),
         ("On y' = -y RK4 is stable for [every] h.", "real_limit rk4", "2.785"),
@@ -154,6 +160,9 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
     for text, holds in (
         ("Backward Euler and BDF2 are both A-stable", [True, True]),
         ("Neither RK4 nor backward Euler is A-stable", [True, False]),
+        ("RK4 is neither A- nor L-stable", [True, True]),
+        ("Backward Euler is neither A-stable nor L-stable", [False, False]),
+        ("The trapezoidal rule is A-stable, but not L-stable", [True, True]),
         ("Backward Euler has R = 1, the trapezoidal rule -1; neither is A-stable", [False, False]),
     ):
         assert [one.holds for one in exactly(2, properties_in(text))] == holds

@@ -27,6 +27,10 @@ def equations(text, form="plain"):
         ("y'(t) = t √y(t), y(0) = 1, t = 1", "y'=t sqrt(y), y(0)=1"),
         ("p' = r p (1 - p/K), p(0) = 1. Here r = 0.5 and K = 10; t = 1", "p'=0.5 p*(1 - p/10), p(0)=1"),
         ("x' = v, v' = -4x, at rest, x(0) = 1, for h in (0.1, 0.05); t = 1", "x'=v, v'=-4x, x(0)=1, v(0)=0"),
+        (
+            "x' = ω, ω' = -x from (1, 2). Then E(0) = 3 and E' = -0.2 ω^2; t = 1",
+            "x'=omega, omega'=-x, x(0)=1, omega(0)=2",
+        ),
         ("(dy/dt = cos t - y) y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
         ("y'(t) = -k y, where k = -0.3; y_0 = 2. At t = 1", "y'=-(-0.3) y, y(0)=2"),
         ("y' = -y — a decay — where y = 2 at first. At t = 1", "y'=-y, y(0)=2"),

@@ -138,6 +138,8 @@ def test_a_question_is_asked_once():
     assert len(stated("y' = -y, y(0) = 1, t = 1. " * 4 + "x' = x, x(0) = 1, t = 1.")) == 2
     other = "y' = -y, y(0) = 1, t = 1. x' = y, y' = -x from (1, 0) to t = 2."
     assert equations(other) == ["y'=-y, y(0)=1", "x'=y, y'=-x, x(0)=1, y(0)=0"]
+    aside = "N' = -N, N(0) = 50. Now A = 3 N has A' = -A, A(0) = 150, and t = 1."
+    assert equations(aside) == ["N'=-N, N(0)=50", "A'=-A, A(0)=150"]
 
 
 @pytest.mark.parametrize(

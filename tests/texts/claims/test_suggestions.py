@@ -93,12 +93,16 @@ def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few
     assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
 
 
+DAMPED = "run forward_euler y'=-y, y(0)=1, energy=y^2/2, h=0.1, t=0.1"
+
+
 @pytest.mark.parametrize(
     ("text", "asked", "strong"),  # of the last number
     [
         ("The error of RK4 changes by -1.0e-08.", "0 * order {RK4} - 1.02e-8", True),
         ("Heun and RK4 with h = 0.1 are off by factors of 4.00.", "ratio(4.001, 1)", False),
         ("With h = 0.100 for RK4.", "0.1 + 0 * order {RK4}", False),
+        ("Euler, h = 0.1: the largest change is 0.09500", f"{DAMPED} : largest_energy_change", True),  # its size
     ],
 )
 def test_zeros_at_the_end_are_digits_of_what_the_author_asks_for(text, asked, strong):

@@ -26,6 +26,13 @@ def test_the_head_of_a_column_is_above_it(text):
     assert heads(text) == {"0.5": "t", "1.125": "heun"}
 
 
+def test_a_setting_before_numbers_of_the_first_row_is_that_of_their_columns():
+    text = "| t | 0 | 1 |\n|---|---|---|\n| y(t) | 1.5 | 2.5 |"
+    assert heads(text) == {"0": "t", "1": "t", "1.5": "t = 0", "2.5": "t = 1"}
+    assert heads(text.replace("t |", "y |"))["2.5"] == "1"
+    assert heads("| |\n| 1 |") == {"1": ""}
+
+
 def test_the_bars_of_an_absolute_value_are_no_cells_and_a_caption_with_them_is_no_head():
     caption = "Errors |y_N - y(2)| for h = 0.1, and more"
     assert heads(f"{caption}\nMethod | y\nHeun | 1.125") == {"0.1": "", "1.125": "y"}

@@ -7,6 +7,7 @@ import pytest
 from driftproof.symbolic.facts import FACTS
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.problems import PROBLEM_READOUTS
 from driftproof.texts.questions.runs import RUN_READOUTS
 from driftproof.texts.questions.wording import AMBIGUOUS_FACTS, FACT_WORDS, READOUT_WORDS
 from tests.looping import some
@@ -56,6 +57,8 @@ SAME = {
     "run Heun y'(t)=-y, y(0)=1, h=0.1, t=1 : error": DECAY,
     "relative error of Heun on y'=-y, y(0)=1, h=0.1, t=1": f"({DECAY}) / exp(-1)",
     "run heun2 lambda=-1 h=1/10 t=1 : relative_error": f"({DECAY}) / exp(-1)",
+    "largest energy error of Euler y'=-y, y(0)=1, energy=y^2, h=1, t=2":
+    "run forward_euler rates=(-y0) from 1 energy=y0^2 h=1 t=2 : largest_energy_change",
     "relative error of RK4 h=1/4 t=10 from 3,4": "(run rk4 h=1/4 t=10 from 3,4 : state_error) / 5",
     "2*π": "2*pi",
     "1 - 10 steps of RK4 with h=0.1 : q": "1 - run rk4 h=1/10 t=1 : q",
@@ -224,7 +227,7 @@ def test_what_an_expression_may_mean_is_a_question_that_is_answered():
 
 
 def test_other_words_lead_to_names_that_there_are_and_hide_none():
-    readouts = {*RUN_READOUTS, "largest_error"}
+    readouts = {*RUN_READOUTS, *PROBLEM_READOUTS}
     assert [name for name in some(READOUT_WORDS.values()) if name not in readouts] == []
     known = {*FACTS, "exact", "step", "run"}
     assert [name for name in some(FACT_WORDS.values()) if name.partition(":")[0] not in known] == []
