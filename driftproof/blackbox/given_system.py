@@ -204,8 +204,8 @@ def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], 
             changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
-                shown = [", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told)]
-                return f"from ({shown[0]}) a short step goes as ({shown[1]}) times h, and it as ({shown[2]})"
+                at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
+                return f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
     return ""
 
 

@@ -29,8 +29,9 @@ from driftproof.support.plain_text import counted
 # 2**-50, and rounding, divided by the shortest, below 2**-36. Half of the digits leave room for a step made of them.
 _LONGEST, _HALVINGS, _ERROR, HALF_THE_DIGITS = 2.0**-8, 5, 2.0**-36, 2.0**-26
 # Slopes that agree no better than ROUGH are none of a system, or another system's; the step sizes with which they are
-# sought, the smaller ones for rates of a million or more: 2^-40 rounds slopes of the state's size to 2^-13.
-_FIRST = (2.0**-20, 2.0**-30, 2.0**-40)
+# sought, the smaller ones for rates of a million or more: 2^-40 rounds slopes of the state's size to 2^-13, and 2^-50
+# those that are a thousand times as large.
+_FIRST = (2.0**-20, 2.0**-30, 2.0**-40, 2.0**-50)
 # A state with slopes so many times as large as at the others, as where bodies nearly touch, would make all steps short.
 _STEEP = 64
 # How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
@@ -184,11 +185,13 @@ class OwnSteps:
 
     @property
     def timed(self) -> bool:
-        """True if its slopes depend on the time that the step takes. Raises ArithmeticError if they are not smooth."""
-        if not self.subject.takes_time:
-            return False
-        here, later = ([self.slopes(t, y) for y in self.states] for t in self.times)
-        return not np.allclose(here, later, ROUGH, ROUGH)
+        """True if its slopes depend on the time that the step takes, at a state where they are smooth."""
+        for y in self.states if self.subject.takes_time else ():
+            with suppress(ArithmeticError):
+                here, later = (self.slopes(t, y) for t in self.times)
+                if not np.allclose(here, later, ROUGH, ROUGH):
+                    return True
+        return False
 
     def off(self, wanted: Specification) -> tuple[float, str]:
         """How far steps are off the method's, and the first that is too far off in words.

@@ -15,7 +15,7 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import capped_exp, gives_force_times
 from driftproof.blackbox.judging.own_steps import COMPARED, OwnSteps
-from driftproof.blackbox.judging.own_system import own_system, system_of
+from driftproof.blackbox.judging.own_system import OwnSystem, own_system, system_of
 from driftproof.blackbox.judging.programs import (
     Parameter,
     Program,
@@ -45,6 +45,9 @@ _REST = (0.0, 0.0, 1.0)
 _INSIDE = 64
 # Iterations of the secant method for one coefficient, and its first offset; on linear problems one iteration is exact.
 _ROUNDS, _ASIDE = 12, 0.125
+# How near to the number that is found simpler ones are tried, of which the first to give the steps is named: where
+# steps hardly change with a coefficient, they show few of its digits.
+_NEAR = tuple(2.0**-bits for bits in range(8, 52, 4))
 # Chosen: the most mistakes that are named.
 MOST_SHOWN = 4
 # Chosen: a longer program has more possible mistakes than can be tried in a second or two.
@@ -60,8 +63,13 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """
     built_in = subject.convention.kind == MAP
     found, system = (_usual(subject, method, built_in), own_system) if method.explicit else ((), system_of)
-    own = None if found or not built_in else system(subject, ORDINARY_DOMAIN)
-    return found if own is None else mistakes_on(own, Specification(method))
+    if not built_in:
+        return found
+    with suppress(*[OwnSystem] * bool(found)):
+        own = system(subject, ORDINARY_DOMAIN)
+        if own is not None and (own.size > 2 or not found):  # one body of several may feel no force alone
+            return mistakes_on(own, Specification(method))
+    return found
 
 
 def _usual(subject: ForeignStepper, method: Method, built_in: bool) -> tuple[str, ...]:
@@ -79,7 +87,7 @@ def _usual(subject: ForeignStepper, method: Method, built_in: bool) -> tuple[str
         allowed = _INSIDE * rounding.of(1 + max(map(abs, (*end, *made))))
         return all(abs(gap) <= allowed for gap in map(sub, made, end))
 
-    seen = _AllSeen(taken, alike, lambda x: _INSIDE * rounding.of(max(1.0, abs(x))), times_read=True)
+    seen = _AllSeen(taken, alike, times_read=True)
     return _found(method, seen, timed=timed)
 
 
@@ -93,13 +101,13 @@ def mistakes_on(steps: OwnSteps, wanted: Specification) -> tuple[str, ...]:
         if not isinstance(method, RungeKutta | Collocation) and (steps.size % 2 or not _of_second_order(steps)):
             return ()
         for t, share, y in product(steps.times, COMPARED, steps.states):
-            h = min(share * steps.unit, wanted.domain.largest_step)
+            h = share * min(steps.unit, wanted.domain.largest_step)  # of two sizes: at one, h**2/2 may be h
             with suppress(Misbehaviour, *[ArithmeticError] * (not method.explicit)):
                 if not method.explicit:
                     steps.step(method, t, y, h)  # where its stages settle
                 taken.append(StepSeen(steps.slopes, t, y, h, steps.end(t, y, h)))
         alike = lambda y, end, made: steps.apart(y, end, made) <= steps.half
-        seen = _AllSeen(taken, alike, lambda x: steps.half * _INSIDE * max(1.0, abs(x)))
+        seen = _AllSeen(taken, alike)
         return _found(method, seen, steps.halves, steps.timed) if taken else ()
     return ()
 
@@ -145,7 +153,8 @@ def _found(method: Method, seen: _AllSeen, halves: Any = Program.halves, timed: 
         solved = (seen.solved(each) for each in one_parameter(method, program) if each.name not in read)
         few = () if method.explicit else unsettled(method, program, len(seen.steps[0].y))
         stopped = (words for words, other in few if seen.are_of(other))
-        if found := tuple(islice(chain(edited, filter(None, solved), stopped), MOST_SHOWN)):
+        # A number explains in the fewest words what a line explains as well.
+        if found := tuple(islice(chain(filter(None, solved), edited, stopped), MOST_SHOWN)):
             return found  # in another form it would be the same mistake
     return ()
 
@@ -156,11 +165,10 @@ def _calls(method: Method) -> int:
 
 @dataclass(frozen=True)
 class _AllSeen:
-    """Steps that the subject takes; whether an end that is made from y is alike; how exactly a number x is known."""
+    """Steps that the subject takes, and whether an end that is made from y is alike."""
 
     steps: Sequence[StepSeen]
     alike: Callable[[Sequence[float], Sequence[float], Sequence[float]], bool]
-    known_to: Callable[[float], float]
     times_read: bool = False
 
     def are_of(self, program: Program | Unsettled) -> bool:
@@ -191,6 +199,6 @@ class _AllSeen:
                     x, before = x - off * (x - before) / (off - off_before), x
                     off, off_before = gap(x, m), off
                 if x != start and self.are_of(one.at(x)):
-                    found = simple_rational(x, self.known_to(x))
-                    return one.words.format(f"{x:.12g}" if found is None else found)
+                    simpler = [y for near in _NEAR if (y := simple_rational(x, near)) is not None]
+                    return one.words.format(next((y for y in simpler if self.are_of(one.at(float(y)))), f"{x:.12g}"))
         return ""

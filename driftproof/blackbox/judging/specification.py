@@ -48,7 +48,8 @@ class Domain:
 
     The smallest sizes keep arguments away from underflow, where codes that convert units lose digits harmlessly; if
     they are 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
-    number. Raises ValueError unless 0 <= smallest < largest < inf.
+    number. Where the largest size is not above the smallest by default, that is so many times smaller than the largest.
+    Raises ValueError unless 0 <= smallest < largest < inf.
 
     >>> from driftproof import Domain, verify
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
@@ -62,8 +63,10 @@ class Domain:
     smallest_state: float = 2.0**-60
 
     def __post_init__(self) -> None:
-        """Raise ValueError unless 0 <= smallest < largest < inf for steps and for states."""
-        for low, high in self.ranges:
+        """Put smallest sizes by default below the largest. Raises ValueError unless 0 <= smallest < largest < inf."""
+        for what, (low, high) in zip(("smallest_step", "smallest_state"), self.ranges, strict=True):
+            if 0 < high <= low == getattr(Domain, what):
+                object.__setattr__(self, what, low := low * high)
             if not 0 <= low < high < inf:
                 raise ValueError(f"from {low:g} to {high:g}: need 0 <= smallest < largest < infinity")
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,9 @@ from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 
-# A step so short that nearly nothing moves, and one in which the system does.
-_SHORT, _LONG = 2.0**-10, 0.25
+# Steps so short that nearly nothing moves by more than this, the second where a system is stiff; and one in which the
+# system does.
+_SHORT, _NEARLY_STILL, _LONG = (2.0**-20, 2.0**-40), 2.0**-10, 0.25
 # A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
 _MOST_BESIDE_ONE = 2
 # Where arrays may hold cells that move each other, as in a wave, or a vector in space, they have so many.
@@ -86,12 +88,12 @@ class Numbers:
             return None
         no_state = calling.matrices(known) or calling.launch(known)
         least = 1 if len(known) <= 1 + _MOST_BESIDE_ONE and not no_state else 2
-        for cells in (1, *_NUMBERS_OF_A_VECTOR):
+        for cells, h in product((1, *_NUMBERS_OF_A_VECTOR), _SHORT):
             start = 1 / np.arange(2.0, 2 + len(known) * cells).reshape(len(known), cells)
             with suppress(Exception):
                 given = start if cells > 1 else start[:, 0].tolist()
-                end = np.atleast_1d(np.array(cls(step, known, {}, size, times)._called(given, 0.0, _SHORT**2), float))
-                near = np.allclose(end.reshape(-1, cells), start[: len(end)], rtol=0, atol=_SHORT)
+                end = np.atleast_1d(np.array(cls(step, known, {}, size, times)._called(given, 0.0, h), float))
+                near = np.allclose(end.reshape(-1, cells), start[: len(end)], rtol=0, atol=_NEARLY_STILL)
                 if max(least, min(cells, 2)) <= len(end) <= len(start) and end.size == len(end) * cells and near:
                     ones = dict.fromkeys(known[len(end) :], 1.0)
                     found = cls(step, known[: len(end)], ones, size, times, cells)
@@ -155,11 +157,11 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
         return
     found = Numbers(step, known[:1], dict.fromkeys(known[1:], 1.0), size, times, whole=True)
-    for count in _NUMBERS_OF_AN_ARRAY:
+    for count, h in product(_NUMBERS_OF_AN_ARRAY, _SHORT):
         with suppress(Exception):
             start = np.array([1 / (i + 2) for i in range(count)])
-            near, far = (found._called(start, 0.0, h) for h in (_SHORT**2, _LONG))
-            if np.shape(near) == start.shape and np.allclose(near, start, 0, _SHORT) and np.any(far != start):
+            near, far = (found._called(start, 0.0, each) for each in (h, _LONG))
+            if np.shape(near) == start.shape and np.allclose(near, start, 0, _NEARLY_STILL) and np.any(far != start):
                 yield replace(found, by_parts=bool(np.iscomplexobj(far) and np.imag(far).any())).form
                 return
 

@@ -96,17 +96,19 @@ def _kept_state_wrapper(cls: type, made: Any, advance: str, own: bool) -> str:
 def making(cls: type, kind: str, made: Any = None) -> str:
     """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
 
-    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
-    those of some start for a state.
+    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, also
+    for those by default that divide what it calls, and those of some start for a state.
     """
     names, name = required_names(cls) or [], name_of(cls)
     taken = common.function_of(kind) * bool(function_argument(cls))
-    if len(names) == bool(taken) and not calling.has_gradient(names):
+    masses = objects.unit_masses(cls) if taken and kind == FORCE else {}
+    if len(names) == bool(taken) and not calling.has_gradient(names) and not masses:
         return name
     kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
     given = {each: _AT_REST.get(text, text) for each, text in common.arguments_by_role(names, kind).items()}
     given |= {each: "1.0" for each in names if each not in given and calling.word_of(each) in calling.UNIT_PARAMETERS}
-    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
+    given |= masses
+    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in (*names, *masses))
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
@@ -118,7 +120,8 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
     """
     with suppress(Exception):
         names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
-        kept = vars(cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names]))
+        begun = cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names])
+        kept, mass = vars(begun), objects.mass_of(begun)
         before = next(each for each in kept if common.is_before(each))
         now = next(each for each in kept if role_of(each, (calling.POSITION, calling.STATE)))
         handed = function or any(plain_role(each) == FUNCTION for each in taken)
@@ -143,6 +146,7 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
             push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED), "")
             if not (push or handed):
                 return ""
+            begin += f"; made.{mass} = 1.0" * bool(mass)
             pushed = "" if handed else f"{push}force(made.{now}{first})), "
             line = common.run_of_positions(f"({pushed}{call}, 1.0 * made.{now}{first})[-1]", begin)
             found = _ran(line, cls, lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
@@ -171,7 +175,10 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
     if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
         of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
-        where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
+        mass = objects.mass_of(made)
+        force = f"body.{mass} * f" if mass else "f"
+        given = f"{of_x}({force}, 0.0)" if of_x else force
+        where += f', push="{push}"' if given == "f" else f", push=lambda body, f: body.{push}({given})"
     if function_argument(cls) and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)

@@ -173,6 +173,20 @@ def attribute_of(made: Any, role: str) -> str:
     return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
 
 
+def mass_of(made: Any) -> str:
+    """The attribute of an object that holds a mass other than 1, by which it divides forces; "" if there is none."""
+    known = attributes_of(made).items()
+    numbers = [each for each, x in known if isinstance(x, int | float) and x != 1]
+    return next((each for each in numbers if calling.word_of(each) in calling.MASSES), "")
+
+
+def unit_masses(cls: type) -> dict[str, str]:
+    """What sets masses, or inverse ones, that a class has by default and that are not 1 to 1, as further arguments."""
+    given = [x.name for x in _parameters(cls) if x.default not in (x.empty, 1)]
+    heavy = (*calling.MASSES, *calling.INVERSE_MASSES)
+    return {each: f"{each}=1.0" for each in given if calling.word_of(each) in heavy}
+
+
 def attributes_of(made: Any) -> dict[str, Any]:
     """The attributes of an object by name, those in slots as well."""
     slots = [each for cls in type(made).__mro__ for each in getattr(cls, "__slots__", ()) if hasattr(made, each)]
@@ -221,6 +235,8 @@ def class_wrapper(cls: type, own: str) -> str:
         return ""
     if {common.function_of(kind), _OF_STATE}.isdisjoint(made.given):
         return ""
+    if kind == FORCE:
+        made = made._replace(arguments={**made.arguments, **unit_masses(cls)})
     returns = made.state <= {*called.values()} or "[q, v]" in made.call.values()
     if returns:
         made = made.fitted()
@@ -268,7 +284,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     for name, call in product((*replaced, *pushed), calls):
         function = _replacing(replaced[name], kind, q, "None" in call.values()) if name in replaced else "force(q)"
         timed = any(role_of(each, (TIME,)) for each in replaced.get(name, ()))
-        puts = {q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
+        puts = {mass_of(made): "1.0", q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
         puts = {each: held(text) for each, text in (puts | {size: "h", name: function}).items() if each}
         found = Made(kind, cls, start, call, f".{advance}", places, puts)
         with suppress(Exception):

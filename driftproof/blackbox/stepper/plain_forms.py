@@ -48,8 +48,8 @@ _NAMES: Mapping[str, Sequence[str]] = {
     STATE: ("y", "state", "z", "u", "s"),
     POSITION: ROLES[POSITION],
 }
-# Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
-_INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
+# Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1; and yerr, for an error estimate.
+_INTO, _ESTIMATE = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1|err|error)$"), re.compile(r"err(or)?$")
 # Names of arrays in which it works, if there are several.
 _WORK = re.compile(r"k[1-9]|(y?_?(tmp|temp)|yt|work|wrk|dy[mt]|scratch|buf)\d?")
 # The coordinates of a body in space; those that it has one by one, and what each is of the first, so that none of them
@@ -229,6 +229,8 @@ class _Call:
         if CARRIED in self.roles.values() and f is not None:
             given[CARRIED] = np.asarray(rate(t, state), float)
         answer, outs = self._called(given, state)
+        if answer is None and any(map(_ESTIMATE.search, self.names)):
+            return tuple(outs)
         return answer if answer is not None else outs[0] if outs else state
 
     def moved(
@@ -270,14 +272,15 @@ class _Call:
         return answer[-1] if isinstance(answer, tuple) and len(answer) > 2 else found
 
     def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
-        """What the stepper returns, and the arrays it writes into, the position before the velocity."""
+        """What the stepper returns, and the arrays it writes into, the position before the velocity, an error last."""
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         spaces = {name: np.empty_like(state) for name, role in self.roles.items() if role == _SPACE}
         known = {**given, _SIZE: len(state)}
         held = {**outs, **spaces}
         answer = self.step(*[held[name] if name in held else known[self.roles[name]] for name in self.names])
         answer = None if isinstance(answer, int) else answer  # a status, as of C
-        ordered = sorted(outs, key=lambda name: _INTO.sub("", word_of(name)) in _NAMES[VELOCITY])
+        last = lambda name: (bool(_ESTIMATE.search(name)), _INTO.sub("", word_of(name)) in _NAMES[VELOCITY])
+        ordered = sorted(outs, key=last)
         return answer, [outs[name] for name in ordered]
 
 

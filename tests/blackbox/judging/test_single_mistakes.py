@@ -213,6 +213,11 @@ def rod_in_turn(y, h):
     return np.linalg.solve(np.eye(3) - h / 2 * np.array([rod(x) for x in np.eye(3)]), y)
 
 
+def late(t, y):
+    """A number that follows cos t a million times as fast."""
+    return -1e6 * (np.asarray(y) - np.cos(t))
+
+
 SHOWN = "on the slopes of its shortest steps "
 NEWTON = "the stages are solved by {} of Newton's method from y"
 WEIGHED = "a[1][1]: 11/20 instead of 1/2, and a[1][0] the rest of their sum"
@@ -240,6 +245,14 @@ IMPLICIT = {
         "c[1]: 1/2 instead of 1",
         True,
     ),
+    # Its steps are so short that h and h * h are both nearly 0 beside t.
+    "time of a stiff system": (
+        lambda t, y, h: (y + h * 1e6 * np.cos(t)) / (1 + h * 1e6),
+        "backward_euler",
+        late,
+        "c[0]: 0 instead of 1",
+        False,
+    ),
     "in turn": (rod_in_turn, "trapezoid", rod, "in k[0], each number moves by h a[1][0] k[0] before the next", True),
 }
 
@@ -255,6 +268,29 @@ def test_the_mistake_of_an_implicit_step_is_named_on_its_system(step, key, syste
     assert verify(right, key, system=pendulum, **options).passed
 
 
+def heading(y):
+    """The place of a wheeled robot that turns slowly, and where it heads."""
+    return np.array([0.1 * np.cos(y[2]), 0.1 * np.sin(y[2]), 0.1 + 0 * y[2]])
+
+
+def driven_ahead(y, h):
+    return y + h * heading(y + h * heading(y))
+
+
+def chained(t, y):
+    """Bodies in a row, each bound to the next; one alone feels no force."""
+    q, v = np.split(np.asarray(y), 2)
+    pulls = np.diff(q) - 0.1 * np.diff(q) ** 3
+    return np.concatenate([v, np.append(pulls, 0) - np.append(0, pulls)])
+
+
+def stale_chain(q, v, h):
+    q, v = np.atleast_1d(q), np.atleast_1d(v)
+    a = chained(0, np.concatenate([q, v]))[len(q) :]
+    return q + h * v + h * h / 2 * a, v + h * a
+
+
+STALE = "new v = v[1] + h * d[2] * F(q[0]) in place of new v = v[1] + h * d[2] * F(q[1])"
 TURNS = "in k[0], each number moves by h b[0] k[0] before the next one's slope is taken"
 BUILT_IN = {
     "all at t": (rk4_of([0, 0, 0, 0]), "rk4", driven, "all of c times 0", SHOWN),
@@ -268,6 +304,9 @@ BUILT_IN = {
         SHOWN,
     ),
     "second kick at t": (verlet_of(late=0.0), "velocity_verlet", swung, "the time of kick 2: 0 instead of 1", SHOWN),
+    # At h = 2, which would be the only h, h**2 / 2 is h.
+    "slow": (driven_ahead, "midpoint2", heading, "a[1][0]: 1 instead of 1/2", SHOWN),
+    "several bodies": (stale_chain, "velocity_verlet", chained, STALE, SHOWN),
     "in turn": (in_turn, "forward_euler", epidemic, TURNS, SHOWN),
     # Slopes that short steps show are then not those that the code has.
     "no half in v": (verlet_of(kicks=(1, 1)), "velocity_verlet", swung, "all of b_velocity times 2", ""),

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from driftproof import Allowance, identify
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
@@ -40,6 +41,15 @@ def test_its_steps_are_judged_on_that_system_which_the_report_names(right):
 
 def level(h, dt):
     return h + dt * (1 - 0.4 * math.sqrt(abs(h)))
+
+
+def clipped(v, t, dt, late=1.0):
+    """Backward Euler, by Newton's method, of a driven circuit of two diodes, which is so stiff that 2**-20 is long."""
+    slope = lambda x: 40 * (math.sin(5 * (t + late * dt)) - x) - 0.2 * math.sinh(20 * x)
+    x = v
+    for _ in range(60):
+        x += max(-0.1, min(0.1, (v + dt * slope(x) - x) / (1 + dt * (40 + 4 * math.cosh(20 * x)))))
+    return x
 
 
 def decay(N, h, rate):
@@ -141,6 +151,16 @@ def test_parameters_that_are_not_returned_stay_parameters_and_no_step_notices_th
     assert 2.0**-20 not in counted
     assert opened(lambda y, m, dt: y - dt * y / m).reading == "the state: y; the step size: dt; set to 1: m"
     assert opened(lambda q, v, h: (q + h * v, v)).reading == ""
+
+
+@pytest.mark.parametrize(("late", "passed"), [(1.0, True), (0.0, None)])
+def test_a_state_that_is_stiff_is_seen_by_shorter_steps(late, passed):
+    system = lambda t, y: 40 * (math.sin(5 * t) - y) - 0.2 * np.sinh(20 * y)
+    options = {"allowance": Allowance(solver_tolerance=1e-9), "isolate": False}
+    step = lambda v, t, dt: clipped(v, t, dt, late)
+    assert verify(step, "backward_euler", system=system, **options).passed is passed
+    assert verify(step, "backward_euler", **options).passed is None
+    assert "its steps are those of backward_euler" in identify(step, isolate=False).verdict
 
 
 def test_an_array_that_a_short_step_hardly_changes_is_the_state_whatever_its_name():

@@ -107,6 +107,15 @@ def recipe(y, dydx, n, x, h, yout, derivs):
         yout[i] = y[i] + h / 4 * (dydx[i] + 3 * slope[i])
 
 
+def estimated(y, dydx, n, x, h, yerr, yout, derivs, sign=1.0):
+    """Heun's method with the slope at the start given, and an estimate of its error by a step of Euler's method."""
+    slope = [0.0] * n
+    derivs(x + h, [y[i] + h * dydx[i] for i in range(n)], slope)
+    for i in range(n):
+        yout[i] = y[i] + h / 2 * (dydx[i] + slope[i])
+        yerr[i] = sign * h / 2 * (slope[i] - dydx[i])
+
+
 def pushes_written(n, y, v, acc, dt, compute_acc):
     for i in range(n):
         v[i] += dt / 2 * acc[i]
@@ -201,6 +210,9 @@ HELD = [
     (lambda x, v, a, m, dt, accel: galaxy(x, v, a, dt, m, accel, True), "velocity_verlet", "passes on -1"),
     (lambda x, v, m, dt, accel: kicked_twice(x, v, m, dt, lambda x, m: accel(x) / m), "velocity_verlet",
      "kicks times 1/2"),
+    (estimated, "heun_euler21", ""),
+    (lambda y, dydx, n, x, h, yerr, yout, derivs: estimated(y, dydx, n, x, h, yerr, yout, derivs, 2.0), "heun_euler21",
+     "is heun_euler21, but the error estimate is 2 times that of heun_euler21"),
 ]  # fmt: skip
 
 
