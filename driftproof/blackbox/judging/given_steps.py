@@ -40,8 +40,8 @@ _SAMPLES, _ROUNDED, _WORST = 8, 16, 4
 _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
 # ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
-FARTHER, SMALL = 4, 2.0**-10
-_LEAST = 2.0**-1022
+_FARTHER, SMALL = 4, 2.0**-10
+_LEAST = 2.0**-1022  # the smallest normal double: what is allowed may be 0
 # The velocities with which forces that depend on them are usually asked: the first is tried first.
 BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
 _AFTER, _ROUNDS = "before each kick but the last, and there with that after it", 100
@@ -302,16 +302,20 @@ class GivenSteps(OwnSteps):
         rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
         return StepFinding(True, f"is {wanted.method.key} on the system given{about}{turns}{pushed}, {digits}{rough}")
 
+    def longer(self, wanted: Specification) -> list[float]:
+        """Step sizes from the system's own time to the largest of the domain, in equal ratios; none if that is less."""
+        h, longest = self.unit * COMPARED[0], wanted.domain.largest_step
+        return [h * (longest / h) ** (i / _FARTHER) for i in range(1, _FARTHER + 1)] if h < longest else []
+
     def _elsewhere(self, wanted: Specification) -> Iterator[tuple[float, Sequence[float], float]]:
         """Yield steps (t, y, h) from small and from larger states, and longer ones, up to the largest of the domain."""
         far, longest, h = wanted.domain.largest_state, wanted.domain.largest_step, self.unit * COMPARED[0]
         for t, y in product(self.times, self.states):
             ratio = max(1.0, far / max(map(abs, y)))
-            for by in (SMALL, *(ratio ** (i / FARTHER) for i in range(1, FARTHER + 1))):
+            for by in (SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
                 yield t, [self.number(x * by) for x in y], min(h, longest)
-            for i in range(1, FARTHER + 1):
-                if h < longest:
-                    yield t, y, h * (longest / h) ** (i / FARTHER)
+            for longer in self.longer(wanted):
+                yield t, y, longer
 
     def elsewhere(self, wanted: Specification) -> StepFinding:
         """Compare steps from small and large states, and long ones; None if none of them can be compared."""

@@ -210,7 +210,7 @@ def edits(method: Method, program: Program, pair: bool) -> Iterator[tuple[str, L
 
 @dataclass(frozen=True)
 class Unsettled:
-    """Stages of a method that so many of Newton's iterations solve, from y or from y + c[i] h f(y)."""
+    """Stages that so many of Newton's iterations solve, or fewer if they settle, from y or from y + c[i] h f(y)."""
 
     method: RungeKutta | Collocation
     rounds: int
@@ -238,9 +238,12 @@ class Unsettled:
             if self.anew or not n:
                 rows = np.array([(gap(found + x) - gap(found - x)) / (2 * x.max()) for x in away])
             try:
-                found = found - np.linalg.solve(rows.T, gap(found))
+                change = np.linalg.solve(rows.T, gap(found))
             except np.linalg.LinAlgError as error:
                 raise ArithmeticError(str(error)) from None
+            found = found - change
+            if np.abs(change).max() <= _SETTLED * np.abs(found).max():
+                break
         stages = found.reshape(shape)
         if self.called:
             return [float(x) for x in y + taken.h * b @ slopes(stages)]

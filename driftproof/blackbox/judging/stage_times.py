@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import product
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding
-from driftproof.blackbox.judging.given_steps import FARTHER, SMALL, GivenSteps
+from driftproof.blackbox.judging.given_steps import SMALL, GivenSteps
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, ends_in_words
 from driftproof.blackbox.judging.programs import MOST_UNKNOWNS, StepSeen, Unsettled
@@ -56,9 +57,8 @@ def _by_longer_steps(steps: GivenSteps, wanted: Specification) -> tuple[bool | N
     """
     method, shown = of_one_state(wanted.method), 0
     allowed = steps.half + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-    ratio = max(1.0, wanted.domain.largest_step / (steps.unit * COMPARED[0])) ** (1 / FARTHER)
-    for t, at, by, i in product(steps.times, steps.states, (1.0, SMALL), range(1, FARTHER + 1)):
-        y, h = [steps.number(x * by) for x in at], steps.unit * COMPARED[0] * ratio**i
+    for t, at, by, h in product(steps.times, steps.states, (1.0, SMALL), steps.longer(wanted)):
+        y = [steps.number(x * by) for x in at]
         with suppress(Misbehaviour, ArithmeticError):
             told, ahead = (_solved(each, method, t, y, h) for each in (steps, steps.later(h)))
             if steps.apart(y, told, ahead) <= _SEEN * allowed:
@@ -80,7 +80,8 @@ def _solved(steps: GivenSteps, method: Method, t: float, y: Sequence[float], h: 
     if method.stages * steps.size > MOST_UNKNOWNS:
         raise ArithmeticError("there are too many stages to be solved")
     taken = StepSeen(steps.rates, t, y, h, [])
-    ends = [Unsettled(method, n, False, True, False, True).end(taken) for n in (_ROUNDS, _ROUNDS + 1)]
+    solver = Unsettled(method, _ROUNDS, predicted=False, anew=True, called=False, timed=True)
+    ends = [each.end(taken) for each in (solver, replace(solver, rounds=_ROUNDS + 1))]
     if not steps.apart(y, *ends) <= steps.half / _SEEN:
         raise ArithmeticError(f"the stages of {method.key} do not settle")
     return ends[1]

@@ -78,7 +78,7 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     if found := re.search(r"\bstable (?:for|at|with) \Z", before):
         only = re.match(r" (?:h|(?:time )?step ?sizes?)(?= at all|[,;:)]|\.? ?\Z| and | but | > 0)", after)
         return limit_of_steps(last_methods_named(before[: found.start()]), equation, "h") if only else None
-    smaller = [sign for sign, words in _GETS.items() if words.search(steps)]
+    smaller = _signs_of_step(steps)
     if len(smaller) != 1 or _STEP_GIVEN.search(before + after):
         return None
     if word in _POWERS_OF_TWO:
@@ -145,6 +145,10 @@ def _minus_one(question: str, divided: bool) -> str:
 
 def _direction(text: str) -> int:
     """-1 where the text says that a step gets smaller, 1 for larger, 0 for both or neither."""
-    signs = [sign for sign, words in _GETS.items() if words.search(text)]
-    signs = [-1 if Fraction(y) < Fraction(x) else 1 for x, y in PAIR.findall(text)[-1:]] or signs
+    signs = [-1 if Fraction(y) < Fraction(x) else 1 for x, y in PAIR.findall(text)[-1:]] or _signs_of_step(text)
     return signs[0] if len(signs) == 1 else 0
+
+
+def _signs_of_step(text: str) -> list[int]:
+    """-1 if words say that a step gets smaller, 1 if they say that one gets larger."""
+    return [sign for sign, words in _GETS.items() if words.search(text)]
