@@ -74,8 +74,13 @@ _NO_SUBJECT = re.compile(
 _TIMES_AS = re.compile(
     r" times (?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
     r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
-    r"[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? "
+    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z)))"
 )
+# Before such a ratio without the second method, and what else than the other method is compared with there.
+_AN_ERROR = re.compile(
+    r"(?<!energy )(?<!\w of )\b(?:an?|its|whose) errors?(?: (?:is|about|some|only|roughly|nearly))* \Z"
+)
+_OF_STEPS = re.compile(r"\b(?:hal[fv]\w*|doubl\w*|twice|smaller|shorter|finer|longer|coarser|larger|each|every|from)\b")
 # Characters between a method and the number that it has.
 _LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
@@ -260,15 +265,23 @@ def methods_said_of(before: str, after: str) -> set[str]:
     return listed[at][1] if len(listed) == at + 1 + more else set()
 
 
-def methods_compared(before: str, after: str) -> tuple[str, ...]:
+def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, ...]:
     """The keys of the methods with the larger and the smaller error in "A is 20 times as accurate as B"; () for none.
+
+    In "B has an error 20 times smaller" the other method is the only one named before, in the sentence `earlier` too.
 
     >>> methods_compared("the error of ab3 is ", " times smaller than that of ab2.")
     ('adams_bashforth2', 'adams_bashforth3')
     """
     found, first = _TIMES_AS.match(flat(after)), last_methods_named(before)
-    other = spoken_names().match(flat(after), found.end()) if found else None
-    if not (found and other) or len(first) != 1 or len(second := _names()[other[0]]) != 1 or first == second:
+    other = spoken_names().match(flat(after), found.end()) if found and found["than"] else None
+    second = _names()[other[0]] if other else set[str]()
+    if found and not found["than"] and _AN_ERROR.search(flat(before)):
+        both = next((x for x in (before, earlier + before) if len(names_in_order(x)) > 1), "")
+        named = [methods_named(name) for name in names_in_order(both)]
+        alike = len({*SETTING["h"].findall(both)}) < 2 and not _OF_STEPS.search(both)
+        second = named[named[0] == first] if alike and first in named and len(named) == 2 else second
+    if not found or len(first) != 1 or len(second) != 1 or first == second:
         return ()
     return (*second, *first) if found["closer"] else (*first, *second)
 

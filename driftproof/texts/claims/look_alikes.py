@@ -30,7 +30,7 @@ from driftproof.texts.claims.contradictions import (
 )
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column, is_head_of
 from driftproof.texts.claims.named_places import NamedPlaces
-from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, spelled
+from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, spelled
 from driftproof.texts.claims.places import (
     COMPARED,
     asked_quantity,
@@ -46,7 +46,7 @@ from driftproof.texts.claims.stated_facts import (
     linear_equations,
 )
 from driftproof.texts.claims.worded import fact_in_word, gap_to_number, signed_by
-from driftproof.texts.readers.number_words import is_trend, trend_said, words_said_in
+from driftproof.texts.readers.number_words import PERCENT, is_trend, trend_said, words_said_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
@@ -114,10 +114,10 @@ class LookAlikes(NamedPlaces):
         form, found, digits, ids = (
             form_of(number, self.text),
             [],
-            len(digits_of(number.text, telling=True)),
+            digits_told(number, self.text),
             published_values(),
         )
-        percent = self.text.startswith(("%", " %"), number.end)
+        percent = re.compile(PERCENT).match(self._lower, number.end) is not None
         possible = [
             k
             for k in self.values.known

@@ -31,6 +31,7 @@ from driftproof.texts.claims.possible_values import KnownValue, PossibleValues
 from driftproof.texts.claims.stated_problems import speeds_named
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of
+from driftproof.texts.readers.number_words import PERCENT
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # A decimal of a program.
@@ -39,7 +40,7 @@ _DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 
 # What says that a percentage is an error.
 _ERROR = re.compile(r"\b(?:errors?|off|wrong|deviat\w+|differ\w+|inaccura\w+)\b")
-_OFF = re.compile(r" ?% (?:too|off|error|wrong|of error)\b")
+_OFF = re.compile(rf"{PERCENT} (?:too|off|error|wrong|of error)\b")
 
 
 class NamedPlaces:
@@ -205,6 +206,8 @@ class NamedPlaces:
             return place.sure or "t" in near
         if place.quantity == "percent":
             return place.sure and "t" in near and self.says_error(number)
+        if place.compared:
+            return near >= {"h"} and "t" in place.settings
         at_start = "t" in near and not place.settings["t"] and place.quantity == "energy"
         whole = place.own and near >= {"h"} and "t" in place.settings and place.quantity in ("energy", "error", "steps")
         return not self.tables.row_of(number) and (at_start or whole)

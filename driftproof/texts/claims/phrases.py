@@ -48,6 +48,9 @@ NUMBER_ENDS = (
     rf"(?![ \n]?[×·*x][ \n]?10(?![0-9.]))(?![ \n-]?(?:{_UNIT}))"
 )
 
+# Behind a whole number that is rounded, its zeros as well.
+_ROUNDED = re.compile(rf"{words.PERCENT}| times ")
+
 
 @dataclass(frozen=True)
 class NumberForm:
@@ -123,8 +126,9 @@ def form_of(number: TextNumber, text: str = "") -> NumberForm:
         return NumberForm(spelled=TREND if words.is_trend(number.text) else WORDS)
     if "/" in number.text:
         return NumberForm(exact=True)
-    if number.places is None or (not number.places and text.startswith(("%", " %", " times "), number.end)):
-        return NumberForm(digits=len(digits_of(number.text)))
+    if number.places is None or (not number.places and _ROUNDED.match(text, number.end)):
+        digits = digits_of(number.text)
+        return NumberForm(digits=len(digits if number.places is None else digits.rstrip("0")) or len(digits))
     return NumberForm(places=number.places or None)
 
 
@@ -154,6 +158,11 @@ def digits_of(text: str, telling: bool = False) -> str:
     mantissa = re.split(r"[eE]| ?[×·]", text)[0]
     mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa
     return re.sub(r"[^0-9]", "", mantissa).lstrip("0")
+
+
+def digits_told(number: TextNumber, text: str) -> int:
+    """How many significant digits of the number tell its value from others."""
+    return min(len(digits_of(number.text, telling=True)), form_of(number, text).digits or MOST_DECIMALS)
 
 
 def _spelling_pattern(spelling: str) -> str:

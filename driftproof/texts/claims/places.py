@@ -37,7 +37,14 @@ from driftproof.texts.claims.heads import (
 )
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, UNIT_BEHIND, counts_of_steps, durations
+from driftproof.texts.readers.number_words import (
+    COUNT_GIVEN,
+    PERCENT,
+    TIME_UNIT,
+    UNIT_BEHIND,
+    counts_of_steps,
+    durations,
+)
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
 _SOLUTION_IS = re.compile(
@@ -48,7 +55,7 @@ _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0
 # A quantity whose own value is given, so that what follows is another one.
 _WITH_VALUE = re.compile(rf"(?:{QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
-    r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
+    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
@@ -76,7 +83,7 @@ _CHANGES = (
 )
 _E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
-OF_EACH_STEP = re.compile(r" ?%[^.;:,]{0,30} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
+OF_EACH_STEP = re.compile(rf"{PERCENT}[^.;:,]{{0,30}} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 _AT_START = re.compile(
     r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
     r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
@@ -86,6 +93,7 @@ _DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
 _AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
+_SAME_STEP = re.compile(r"\bsame (?:h\b|(?:time ?)?step)")
 _FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
@@ -265,7 +273,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         of_energy = more["percent"] and (
-            quantity in ("energy", "relative_energy") or re.match(r" ?% of (?:the|its) (?:\w+ ){0,3}energy", text[end:])
+            quantity in ("energy", "relative_energy")
+            or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}energy", text[end:])
         )
         quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
     if quantity == "part_of_energy" and OF_EACH_STEP.match(text, end) and "h" in settings:
@@ -279,7 +288,7 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     ):
         quantity = "observed_order"
     if _RELATIVE.fullmatch(head) and any("energy" in cell.head for cell in row):
-        quantity = "part_of_energy" if text.startswith(("%", " %"), end) else "relative_energy"
+        quantity = "part_of_energy" if more and more["percent"] else "relative_energy"
     if is_head_of("".join(SETTING_HEADS), head):
         quantity = "chosen"
     elif not {"e", "h"} & {*unknowns} and [cell.head_written for cell in row if cell.start <= start][-1:] in (
@@ -289,7 +298,8 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
         quantity, name = "energy", None
     if (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
         quantity = "stability"
-    compared = () if row else methods_compared(before, after)
+    near |= {"h"} if _SAME_STEP.search(before) and "h" in settings else set()
+    compared = () if row else methods_compared(before, after, sentence_before(text, start))
     said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
     pairs = PAIR.findall(said_before if not row else head if PAIR.fullmatch(head) else row[0].text or row[1].text)
     if quantity in COMPARED and not compared and pairs:
@@ -369,7 +379,9 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if re.match(r"(?: ?%)? after ", text[end:]) else []
+        behind = (
+            counts_of_steps(text[end : end + _BESIDE])[:1] if re.match(rf"(?:{PERCENT})? after ", text[end:]) else []
+        )
         taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
         taken = [] if near["t"] else taken
     if taken and "h" in settings:

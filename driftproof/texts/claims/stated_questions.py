@@ -17,6 +17,7 @@ from driftproof.texts.claims.contradictions import (
     methods_in_full,
     methods_named,
     sentence_around,
+    sentence_before,
     starters_said,
 )
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, QUANTITY, is_head_of
@@ -24,7 +25,7 @@ from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
 from driftproof.texts.questions.pieces import with_greek_spelled
-from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT, counts_of_steps, durations
+from driftproof.texts.readers.number_words import COUNT_GIVEN, PERCENT, TIME_UNIT, counts_of_steps, durations
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
@@ -42,7 +43,7 @@ LIMIT = re.compile(
     r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
 )
 # A number of steps that goes with a step size, as in "takes 20 steps of h = 0.05".
-_TAKES = re.compile(r"[0-9] steps (?:of|with) ")
+_TAKES = re.compile(r"[0-9] steps (?:of|with) |\b(?:needs?|takes?|makes?|costs?) [0-9]+ steps")
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Characters before a step size in which a word may make it a limit.
 _BEFORE = 80
@@ -126,8 +127,9 @@ def _questions(
     errors += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     spoken_of = {found.lastgroup for found in QUANTITY.finditer(part.lower())}
     changes = ["energy_change", *["largest_energy_change"] * ("largest_energy_change" in spoken_of)]
+    percent = re.search(PERCENT, part)
     read = [*problem.rates, *errors, *["largest_error"] * ("largest_error" in spoken_of)]
-    read += ["relative_error"] * ("%" in part or "relative" in part)
+    read += ["relative_error"] * bool(percent or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part)) + ["steps"] * bool(_TAKES.search(part))
     of = {key: f"{key} started={starters[-1]}" if key in multistep else key for key in spoken}
     compared = [[of[key] for key in pair] for pair in _compared(part.lower()) if {*pair} <= {*of}]
@@ -153,7 +155,7 @@ def _questions(
                     yield f"{conserved} : {{{','.join(('energy', *changes))}}}"
                     yield from (f"abs({conserved} : {change})" for change in changes)
                     relative = [f"{conserved} : relative_energy_change", f"abs({conserved} : relative_energy_change)"]
-                    shares = map(SHARE.format, relative) if "%" in part else ()
+                    shares = map(SHARE.format, relative) if percent else ()
                     yield from relative if "relative energy" in part.lower() else shares
             pairs = [key for key in chosen if getattr(METHODS[key], "b_embedded", None)]
             if pairs and re.search("embedded|companion|estimate", part):
@@ -165,7 +167,10 @@ def _questions(
                 yield f"step {named[0]} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
     of_ratios = [
         bool(re.search(words, part.lower()))
-        for words in ("factor|ratio|times as|divides|fall by", rf"{OBSERVED}|\| ?{ORDER_OF_COLUMN} ?\|")
+        for words in (
+            "factor|ratio|times (?:as|smaller|larger)|divides|fall by",
+            rf"{OBSERVED}|\| ?{ORDER_OF_COLUMN} ?\|",
+        )
     ]
     for (h, fitting), (shorter, also) in pairwise(runs) if any(of_ratios) else ():
         ends = ",".join(_shown(t) for t in fitting if t in also)
@@ -179,7 +184,11 @@ def _questions(
 def _compared(text: str) -> Iterator[tuple[str, ...]]:
     """The methods whose errors a text in lower case compares, each pair once, the larger error first."""
     found = [x for x in numbers_in(text) if text.startswith(" times ", x.end)]
-    yield from dict.fromkeys(pair for x in found if (pair := methods_compared(*sentence_around(text, x.start, x.end))))
+    yield from dict.fromkeys(
+        pair
+        for x in found
+        if (pair := methods_compared(*sentence_around(text, x.start, x.end), sentence_before(text, x.start)))
+    )
 
 
 def _shown(x: Fraction) -> str:

@@ -16,7 +16,7 @@ from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import methods_asked, methods_named, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
-from driftproof.texts.claims.phrases import NumberForm, digits_of, form_of, slips, spelled
+from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, slips, spelled
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
 from driftproof.texts.claims.possible_values import SHARE, SIZE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
@@ -71,7 +71,7 @@ class Suggestions(LookAlikes):
                 own = self.fact_spelled(fact, NumberForm(digits=4))
             return {fact: opposite(number.text) or own[0]} if fact and own and number.text not in own else {}
         found, written = dict[str, str](), self.values.written(form_of(number, self.text))
-        alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
+        alike, digits = self.look_alikes(number), digits_told(number, self.text)
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
             results = printed(done, number)

@@ -9,6 +9,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
+from driftproof.methods.schemes import MethodError
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
@@ -201,10 +202,14 @@ def _stated(rates: tuple[str, ...], energy: str | None, unknowns: tuple[str, ...
     from driftproof.methods.field_text import field_of_text
 
     names = {name: f"y{i}" for i, name in enumerate(unknowns)}
-    field = field_of_text(rates, names=names)
+    field = field_of_text(dict(zip(unknowns, rates, strict=True)) if unknowns else rates)
     if energy is None:
         return ProblemTable(field, (), None, unknowns)
-    both = field_of_text([*rates, energy], names=names)
+    try:
+        both = field_of_text([*rates, energy], names=names)
+    except MethodError as error:
+        said = str(error).replace(f"rate {len(rates)}", "energy").removesuffix(f", y{len(rates)}")
+        raise MethodError(field.in_own_words(said)) from None
     return ProblemTable(replace(field, parameters=both.parameters), (), both.rates[-1], unknowns)
 
 

@@ -62,6 +62,8 @@ _STEPS = re.compile(
 # The unit of a time, as in day 20, and a time with it behind.
 TIME_UNIT = "(?:time|day|hour|minute|second|week|month|year)"
 _DURATION = re.compile(rf"\bafter ([0-9]+(?:\.[0-9]+)?|{_UNIT}) (?:time unit|{TIME_UNIT})s?\b", re.IGNORECASE)
+# What makes a percentage of the number before it.
+PERCENT = r"[ \n]?(?:%|per ?cent\b)"
 # A unit right behind a number, in lower case: what is said of the number goes on after it.
 _MEASURE = (
     r" ?(?:(?:[fpnuµμmck]?(?:v|m|s|g|a|n|j|w|l|hz|pa|ω|mol|ohms?)|k|min|rad|°c?|%|mmhg|volts?|met(?:er|re)s?|seconds?|"
