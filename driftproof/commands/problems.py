@@ -58,11 +58,8 @@ def stability_command(options: Namespace) -> str:
         " implicit ones where the problem is stiff)"
     ),
     cli.parameters_option(cli.OTHER_PARAMETERS),
-    cli.list_option(
-        "--error",
-        "the accuracy you want, or several: tell first which method reaches it at the end, with which h, at what cost",
-        type=cli.several(cli.positive_number("error")),
-        metavar="E,E",
+    cli.error_option(
+        "the accuracy you want, or several: tell first which method reaches it at the end, with which h, at what cost"
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
     cli.list_option("--peers", "also scipy, diffrax, heyoka", type=cli.several(str), metavar="P,P"),

@@ -297,13 +297,13 @@ def test_an_energy_that_dies_out_is_compared_with_that_of_the_solution():
         path.append(step(path[-1], 1 / 8, 0, 1))
     with workdps(30):
         w = sqrt(mpf(99) / 100)
-
-        def energy(t):
-            shrunk = exp(-t / 10)
-            return shrunk**2 * ((cos(w * t) + sin(w * t) / (10 * w)) ** 2 + (sin(w * t) / w) ** 2) / 2
-
-        off = [(mpf(x) ** 2 + mpf(v) ** 2) / 2 - energy(mpf(n) / 8) for n, (x, v) in enumerate(path)]
+        waves = [(exp(-t / 10), cos(w * t), sin(w * t)) for t in (mpf(n) / 8 for n in range(81))]
+        true = [(a * (c + s / (10 * w)), -a * s / w) for a, c, s in waves]
+        off = [(mpf(x) ** 2 + mpf(v) ** 2 - a * a - b * b) / 2 for (x, v), (a, b) in zip(path, true, strict=True)]
+        apart = [math.hypot(x - a, v - b) for (x, v), (a, b) in zip(path, true, strict=True)]
     found = answered.found
+    assert found["largest_error"] == pytest.approx(max(apart), rel=1e-9)
+    assert found["largest_error"] > 1.05 * found["state_error"]
     assert found["energy_error"] == pytest.approx(float(off[-1]), rel=1e-9)
     assert found["largest_energy_error"] == pytest.approx(float(max(off, key=abs)), rel=1e-9)
     assert abs(found["largest_energy_error"]) > 1.5 * abs(found["energy_error"])
