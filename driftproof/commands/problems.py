@@ -27,10 +27,11 @@ def stability_command(options: Namespace) -> str:
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
     On a linear problem y' = Ay, or y' = Ay + b with a point of rest, the verdicts are proved, for the exact value of
-    the double h that is run; on one of your own, if it has at most 20 components and none of its solutions grows. The
-    largest step size is also found by bisection with float steps. On any other problem the verdicts are observations.
-    "No small h" is said where powers grow however short the steps are; from larger h on, which are seen, they may be
-    bounded again. The first values of a multistep method are steps of another one, which is named.
+    the double h that is run; with b(t), which may jump, they are of the difference of two solutions. One of your own
+    has at most 20 components, and no solution of y' = Ay grows. The largest step size is also found by bisection with
+    float steps. On any other problem the verdicts are observations. "No small h" is said where powers grow however
+    short the steps are; from larger h on, which are seen, they may be bounded again. The first values of a multistep
+    method are steps of another one, which is named.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"

@@ -239,19 +239,19 @@ def kinks_of(problem: Problem) -> str:
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
-    """A, if f(t, y) = A(y - c) is written so, or as Ay + b, in at most MOST_PROVED components, and no solution grows.
+    """A, if f(t, y) = A(y - c) or Ay + b(t) is written so in at most MOST_PROVED components, and no solution grows.
 
-    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None. A constant such as pi stands
-    in A as the double with which steps are run.
+    Steps commute with the shift by c, so that what is proved of y' = Ay holds; with b(t) it holds of the difference of
+    two solutions. Else None. A constant such as pi stands in A as the double with which steps are run.
     """
     in_doubles = tuple((name, x if isinstance(x, Fraction) else Fraction(float(x))) for name, x in field.parameters)
     if len(field.rates) > MOST_PROVED or (found := linear_part(replace(field, parameters=in_doubles))) is None:
         return None
     rows, at_origin = found
     try:
-        with_b = [[as_fmpq(x) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
+        with_b = [[as_fmpq(x) for x in (*row, b)] for row, b in zip(rows, at_origin or (0,) * len(rows), strict=True)]
         shifted = fmpq_mat(with_b).rank() == fmpq_mat([row[:-1] for row in with_b]).rank()  # b is in the range of A
         bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
     except (TypeError, ValueError, ArithmeticError):
         return None
-    return rows if bounded and shifted else None
+    return rows if bounded and shifted and (at_origin is not None or any(map(any, rows))) else None
