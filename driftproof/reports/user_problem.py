@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from base64 import b64decode, b64encode
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -39,7 +40,7 @@ from driftproof.numeric.reference_errors import ENERGY, floors
 from driftproof.support import kept
 from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, read_toml
+from driftproof.support.toml_tables import TomlTable, as_line, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.stability_limits import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -64,6 +65,8 @@ LONG = 1.0
 # Of the largest component: doubles of the solution are nearer to its digits.
 _NEAR = 1e-9
 KINKED = "f has kinks or jumps"
+# What the enclosure says of a rate.
+_COMPONENT = re.compile(r"f is not finite \(component (\d+)\)")
 # Times of kinks that are shown.
 _MOST_TIMES = 5
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
@@ -113,12 +116,25 @@ def _problem(table: TomlTable, name: str) -> Problem:
     if end <= 0:
         raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
-    reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
+    try:
+        reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
+    except Refused as reason:
+        said = _COMPONENT.sub(lambda found: _rate_as_given(table, int(found[1]), found[0]), str(reason))
+        raise Refused(said, reason.t) from None
     with suppress(MethodError):
         second_order = bool(field.second_order())
     found = Problem(name, title, field, start, reference, name, energy, second_order=second_order, unknowns=unknowns)
     changes = "" if energy is None else _change_of(found, energy)
     return replace(found, energy_changes=changes, matrix=matrix_in(field))
+
+
+def _rate_as_given(table: TomlTable, i: int, otherwise: str) -> str:
+    """A component of f as the table writes it, with its key; else as before."""
+    rates = table.get("rates")
+    if isinstance(rates, Mapping):
+        name = [*rates][i]
+        return f"rates.{name} = {quoted(rates[name])} is not finite"
+    return f"rates[{i}] = {quoted(rates[i])} is not finite" if isinstance(rates, list) else otherwise
 
 
 def _change_of(problem: Problem, energy: str) -> str:
@@ -193,7 +209,8 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
             said = f"enclosed in {found.steps} steps, {bits} bits"
             return Reference(tuple(times), digits, CERTIFIED, said, dense_of(pieces), found.changes)
         except Refused as reason:
-            refusal = Refused(str(reason).replace(TWO_RUNS, "give the problem an end before it"), reason.t)
+            said = str(reason).replace("if f jumps there, ", "").replace(TWO_RUNS, "give the problem an end before it")
+            refusal = Refused(said, reason.t)
             if reason.t is None:  # more bits lead no further
                 raise refusal from None
         except Uncertified:

@@ -255,7 +255,9 @@ REFUSED = {
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
     'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
-    'rates = ["0", "y1/y0"]\nstart = [0, 1]\nend = 1': r"f is not finite \(component 1\) near t = 0$",
+    'rates = ["0", "y1/y0"]\nstart = [0, 1]\nend = 1': r": rates\[1\] = 'y1/y0' is not finite near t = 0$",
+    'rates.v = "-v/x"\nrates.x = "v"\nstart.x = 0\nstart.v = 1\nend = 1': r": rates\.v = '-v/x' is not finite near t",
+    'rates = ["y0^2"]\nstart = [1]\nend = 2': "not smooth, near t = 1; give the problem an end before it$",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
     f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
