@@ -37,7 +37,8 @@ def stability_command(options: Namespace) -> str:
       title = "A pendulum of 1 m"
       rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, tan, exp, log, sqrt, tanh, abs; 0.1 = 1/10;
                                             with kinks and jumps: max, min, sign, heaviside, floor, mod(t, 12)
-      start = ["1/2", "0"]                  at t = 0; rational, as is end
+      start = ["1/2", "0"]                  at t = 0; of numbers such as "pi/4", and of an end "2*pi", runs take the
+                                            nearest double, as is said, and steps are t/N
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title; if f changes it, errors are differences
                                             from that of the solution

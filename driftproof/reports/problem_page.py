@@ -111,11 +111,11 @@ def _setting(problem: Problem) -> str:
     names = problem.unknowns or field.components
     written = map(choices_as_functions, field.at(dict(zip(field.components, names, strict=True))))
     rates = [f"{y}′ = {rate}" for y, rate in zip(names, written, strict=True)]
-    start = [f"{y}(0) = {x}" for y, x in zip(names, problem.start, strict=True)]
+    start = [f"{y}(0) = {_short(x)}" for y, x in zip(names, problem.start, strict=True)]
     parameters = [f"{name} = {_short(value)}" for name, value in field.parameters if name != "pi"]
     equations = ", ".join([*rates, *start, *parameters])
-    shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []
-    return "; ".join([*shown, f"to t = {problem.t}", *([problem.source] if problem.source != problem.title else [])])
+    shown = [*[equations] * (len(equations) <= _LONGEST_EQUATIONS), f"to t = {_short(problem.t)}"]
+    return "; ".join([*shown, *[problem.source] * (problem.source != problem.title)])
 
 
 def _short(value: object) -> str:

@@ -24,7 +24,14 @@ from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.evaluations import TWO_RUNS, Refused
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import size
-from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
+from driftproof.enclosure.problem_tables import (
+    GivenParameters,
+    as_toml,
+    nearest,
+    number_entry,
+    problem_table,
+    with_parameters,
+)
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import DensePiece
 from driftproof.enclosure.text_fields import field_function, linear_part
@@ -111,11 +118,14 @@ def names_problem(given: object) -> bool:
 
 
 def _problem(table: TomlTable, name: str) -> Problem:
-    field, start, energy, unknowns = problem_table(table)
-    end = rational_entry(table.get("end"), "end")
+    field, given, energy, unknowns = problem_table(table)
+    exactly = {"end": number_entry(table.get("end"), "end")} | {f"start[{i}]": x for i, x in enumerate(given)}
+    end, *start = map(nearest, exactly.values())
     if end <= 0:
-        raise ValueError(f"end is {end}; it must be above 0, where problems begin")
+        raise ValueError(f"end is {brief(end)}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
+    if rounded := [f"{where} = {float(nearest(x))!r}" for where, x in exactly.items() if not isinstance(x, Fraction)]:
+        title += f", with {', '.join(rounded)}, nearest doubles"
     try:
         reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
     except Refused as reason:
@@ -123,7 +133,8 @@ def _problem(table: TomlTable, name: str) -> Problem:
         raise Refused(said, reason.t) from None
     with suppress(MethodError):
         second_order = bool(field.second_order())
-    found = Problem(name, title, field, start, reference, name, energy, second_order=second_order, unknowns=unknowns)
+    about = (name, title, field, tuple(start), reference, name, energy)
+    found = Problem(*about, second_order=second_order, unknowns=unknowns)
     changes = "" if energy is None else _change_of(found, energy)
     return replace(found, energy_changes=changes, matrix=matrix_in(field))
 
@@ -147,7 +158,7 @@ def _change_of(problem: Problem, energy: str) -> str:
             balls = [arb(f"{text} +/- 1e{Decimal(text).as_tuple().exponent}") for text in digits]
             change = enclosed_invariant(lambda y: function(y[0] * 0, y), balls, "energy") - first
             if change.abs_lower() > least:
-                return f"{decimal(change)} at t = {t}"
+                return f"{decimal(change)} at t = {float(t):.6g}"
     return ""
 
 

@@ -13,6 +13,7 @@ from flint import arb, ctx
 from mpmath import atan, cos, exp, mpf, nstr, sin, sqrt, workdps
 
 from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.problem_tables import problem_table
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
@@ -27,7 +28,7 @@ from driftproof.reports.studies import work_precision
 from driftproof.reports.sweeps import sweep
 from driftproof.reports.user_problem import MOST_PROVED, enclosed_reference, matrix_in, problem_given
 from driftproof.support import kept
-from driftproof.symbolic.algebra.certified import Uncertified
+from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from tests.looping import exactly
 
 WRITTEN = """
@@ -247,11 +248,25 @@ def test_own_linear_problem_has_the_same_proofs_as_ours():
     assert matrix_in(field_of_text(twenty_one.rpartition(";")[0])) is not None
 
 
+def test_an_end_and_a_start_may_be_irrational_and_runs_take_the_nearest_doubles():
+    """The solution of q'' = -q from them is enclosed at that double; for `value` the start is pi/4 to all digits."""
+    given = {"rates": {"q": "v", "v": "-q"}, "start": {"q": "pi/4", "v": "sqrt(2)"}, "end": "2*pi"}
+    found = problem_given(given)
+    assert (found.t, found.start) == (Fraction(2 * math.pi), (Fraction(math.pi / 4), Fraction(math.sqrt(2))))
+    said = "own, with end = 6.283185307179586, start[0] = 0.7853981633974483, start[1] = 1.4142135623730951"
+    assert found.title == f"{said}, nearest doubles"
+    with workdps(30):
+        q, v, t = map(mpf, (math.pi / 4, math.sqrt(2), 2 * math.pi))
+        assert found.reference.states[-1][0] == nstr(q * cos(t) + v * sin(t), 20)
+    with ctx.workprec(100):
+        assert (enclose(problem_table(given).start[0]) - arb.pi() / 4).abs_upper() < 1e-28
+
+
 REFUSED = {
     'rates = ["y0"]\nstart = [0]': "end is missing; write a number",
-    'rates = ["y0"]\nstart = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write .*, such as 1\.4142135623730951$",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
-    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a rational number, such as "1/3" or 0\.1$',
+    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a number such as "1/3", 0\.1 or "2\*pi"$',
+    'rates = ["y0"]\nstart = [0]\nend = "-pi"': "end is -.*; it must be above 0",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
     'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
