@@ -164,7 +164,7 @@ def _change_of(problem: Problem, energy: str) -> str:
 
 def _reference(field: VectorField, start: Sequence[Fraction], times: tuple[Fraction, ...]) -> Reference:
     """The `enclosed_reference`, from this user's cache if the same one has been enclosed by the same program."""
-    about = {"field": field, "start": start, "times": times, "flint": flint.__version__, "program": _program()}
+    about = {"field": field, "start": start, "times": times, "flint": flint.__version__, "program": program()}
     question = {name: repr(value) for name, value in about.items()}
     with suppress(ValueError, KeyError, TypeError):
         if (held := kept.cached(question)) is not None:
@@ -182,10 +182,10 @@ _DENSE = tuple(array.name for array in fields(DenseSolution))
 
 
 @cache
-def _program() -> str:
-    """A hash of all that an enclosure is computed by."""
+def program() -> str:
+    """A hash of all that an enclosure, or a run in floats, is computed by."""
     home, found = Path(driftproof.__file__).parent, sha256()
-    for folder in ("enclosure", "methods", "reports", "symbolic/algebra"):
+    for folder in ("enclosure", "methods", "numeric", "reports", "symbolic/algebra"):
         for path in sorted(home.joinpath(folder).glob("*.py")):
             found.update(path.read_bytes())
     return f"{driftproof.__version__}, {found.hexdigest()}"
