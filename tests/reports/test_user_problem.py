@@ -445,6 +445,8 @@ KINKED = {
     "doses as code": ({"function": infusion, "start": [0], "end": 36, "parameters": {"rate": 0.3}},
                       dosed(0.3, Decimal("0.25"))),
     "modulus of the time": ({"rates": ["abs(t - 1/3)"], "start": [0], "end": 1}, [Decimal(5) / 18]),
+    "stiff, with a kink at sqrt(2)": ({"rates": ["-1000000*(y0 - max(0, t^2 - 2))"], "start": [1], "end": 3},
+                                      ["6.999994000002"]),
     "friction as text": ({"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}, slid("0.2")),
     "friction as code": ({"function": lambda t, y: [y[1], -y[0] - 0.2 * np.sign(y[1])], "start": [1, 0.25],
                           "end": "3/2"}, slid(0.2)),
