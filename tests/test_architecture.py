@@ -70,7 +70,7 @@ BUDGETS = {
     "symbolic": 10677,
     "numeric": 4695,
     "blackbox": 23788,
-    "enclosure": 5784,
+    "enclosure": 5802,
     "texts": 11167,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6435
