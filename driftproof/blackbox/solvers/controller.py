@@ -116,7 +116,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
 
 
 def _of_one_factor(factor: float, adaptive: bool, traces: tuple[str, ...]) -> ControllerReading:
-    """The reading of a solver whose steps grow by one factor: a fault, but for equal ones where it takes no tolerance."""
+    """The reading of a solver whose steps grow by one factor: a fault, but for equal ones without a tolerance."""
     if is_close(factor, 1.0) and not adaptive:
         return ControllerReading(None, (_NO_TOLERANCE,), traces)
     grown = f"the step size does not depend on the error: every step is {factor:.6g} times the previous one"

@@ -33,6 +33,7 @@ from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
+from driftproof.blackbox.stepper.starts import AS_PARTS, Start
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
     LONGER,
@@ -311,7 +312,7 @@ class Target:
     """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed.
 
     Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
-    object makes each step.
+    object makes each step. A `start` says which states it takes.
     """
 
     step: Callable[..., Any] | str
@@ -319,6 +320,7 @@ class Target:
     array: Callable[[Any], Any] | str | None = None
     keeps: bool = False
     anew: bool = False
+    start: Start | None = None
 
     @property
     def name(self) -> str:
@@ -342,6 +344,8 @@ class Target:
         An answer that is there, but not understood, is no fault of the stepper, and raises BadInput.
         """
         array, step = None if self.array is None else imported(self.array), imported(self.step)
+        if self.start:
+            return self.start.opened(step, before, after)
         own = fresh_copy(step) if inspect.ismethod(step) else None
         try:
             subject = opened(own or step, self.calls, array, before, after, self.keeps)
@@ -349,10 +353,10 @@ class Target:
         except (findings.NothingReturned, findings.AskedAtNoState, findings.WrongAnswer):
             raise
         except (findings.WrongShape, findings.NotANumber) as unread:
-            line = ""
+            line = f"; if these are its state, say so: {AS_PARTS}" * isinstance(unread, findings.UnlikeParts)
             with suppress(ValueError):  # a form that is no convention by itself has no wrapper of a line
                 convention = calling.conventions_of(step, self.calls)[0]
-                line = wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))
+                line = line or wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))
             raise findings.BadInput(f"{calling.signature_text(step)} cannot be read: {unread}{line}") from unread
 
 
