@@ -116,7 +116,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}, goals: Se
             settled = x.largest - x.least < 1 and curve.against is not Against.NOT_SETTLED
             measured = f"{f'{x.median:.3f}' if settled else 'not settled'} ({x.least:.3f} to {x.largest:.3f})"
             measured += f", {curve.verdict}" * bool(settled and curve.verdict)
-        most = max((point.steps or 0 for point in curve.points), default=0)
+        most = max(point.steps or 0 for point in curve.points)
         pairs = zip(fewest[curve.key], least, strict=True)
         cells = [f"{calls}{' *' * (calls == best)}" if calls else f"not with {most} steps" for calls, best in pairs]
         rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *cells])
