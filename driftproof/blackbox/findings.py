@@ -45,6 +45,10 @@ class NotANumber(Misbehaviour):
     """The answer holds something that is not a real number: text, None, a complex number."""
 
 
+class UnlikeParts(NotANumber):
+    """Parts of unlike sizes were returned."""
+
+
 class NothingReturned(NotANumber):
     """The step returns None, or a part that is None, and has written its answer nowhere."""
 

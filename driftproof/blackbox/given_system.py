@@ -77,6 +77,10 @@ class Unpaired(OwnSystem):
     """It has numbers that are neither positions nor velocities."""
 
 
+class Limited(OwnSystem):
+    """Numbers of some states end at a limit in every step, however short: these are not what it is for."""
+
+
 class NoClock(OwnSystem):
     """The system given depends on a time that the step does not take."""
 
@@ -85,6 +89,7 @@ class NoClock(OwnSystem):
 _MISSING = {
     OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
     LeftAtOne.kind: "a system that takes them besides y, for other values",
+    Limited.kind: "the states that it is for: --start, in Python domain=Domain(start=...)",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
     PushedUnusually.kind: "a step that takes its force, step(force, q, v, h), or a step and a system without the drag",
     Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these",
@@ -184,7 +189,7 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
     """Yield the step as it takes all numbers of its system, with states; then of other numbers that it may take."""
     first, given = seen_at(subject, domain), subject.convention.order
     yield first
-    if hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
+    if domain.begins or hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
         return
     for size in (1, 2, 3, 4, 6) if STATE in given else (2, 4, 6):
         of_size = getattr(subject.function, "of_size", lambda size: subject.function)
@@ -195,18 +200,26 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
                 yield found
 
 
-def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float) -> str:
-    """How short steps differ from these slopes of the system given; "" if they agree."""
-    h = _SHORT * unit
+def _unlike(
+    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float
+) -> tuple[str, bool]:
+    """How short steps differ from these slopes of the system given, "" if they agree; and whether only by limits.
+
+    At a limit a number ends at one value in steps of any length, though it begins elsewhere, but not from every state.
+    """
+    h, found, held = _SHORT * unit, dict[tuple[float, ...], str](), dict[tuple[float, ...], Array]()
     for y, told in slopes.items():
         with suppress(Misbehaviour, ArithmeticError):
-            seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, h)) - np.array(y)) / h
+            end, shorter = (np.array(OwnSteps(subject, [y]).end(0.0, y, x)) for x in (h, h / 2))
+            held[y], seen = (end == shorter) & (end != np.array(y)), (end - np.array(y)) / h
             changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
                 at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
-                return f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
-    return ""
+                found[y] = f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
+    limits = np.logical_and.reduce([*held.values()]) < np.logical_or.reduce([*held.values()]) if held else False
+    beyond = [words for y, words in found.items() if not np.any(held[y] & limits)]
+    return next(iter([*beyond, *found.values()]), ""), not beyond
 
 
 def _held(
@@ -220,7 +233,7 @@ def _held(
     """
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
-    given, refused, far = _Given.of(system, subject), list[BadInput](), list[str]()
+    given, refused, far, limited = _Given.of(system, subject), list[BadInput](), list[str](), ""
     others = [given.halved(subject)] * bool(given.values) + [replace(given, by_parts=False)] * given.by_parts
     for each in (given, *others):  # if it has no slopes at numbers above 1, or of a complex state
         for place, (reading, states) in enumerate(_readings(each.on(subject), wanted.domain)):
@@ -230,8 +243,10 @@ def _held(
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
+            unlike, by_limits = _unlike(reading, slopes, each, unit)
+            if unlike and not anyway:
                 far.append(unlike)
+                limited = limited or unlike * by_limits
                 if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
                     break  # of an array that it takes; the size of vectors is a guess
             elif far:
@@ -246,6 +261,8 @@ def _held(
             )
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
+        if limited:
+            raise Limited(f"numbers of some states end at a limit, however short the step: {limited}")
         if far:
             raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]
@@ -292,20 +309,23 @@ def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[.
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
     found = steps.elsewhere(wanted)
-    limits = "--largest-step and --largest-state, in Python domain=Domain(...), say how far it is to be right"
+    limits = (
+        f"--largest-step and {'--start' if wanted.domain.begins else '--largest-state'}, in Python domain=Domain(...)"
+    )
+    limits += ", say how far it is to be right"
     return found._replace(words=f"{found.words}; {limits}") if found.holds is False else found
 
 
 def _forms(steps: GivenSteps, wanted: Specification) -> StepFinding:
-    if hasattr(steps.subject.function, "begun"):
-        return StepFinding(None, "an object has one form of state")
+    if wanted.domain.begins or hasattr(steps.subject.function, "begun"):
+        return StepFinding(None, "an object, or a start, has one form of state")
     return state_objects(steps.subject, wanted, steps.few)
 
 
 def _checked(
     steps: GivenSteps, wanted: Specification, check: Callable[[ForeignStepper], Sequence[CheckResult]]
 ) -> Sequence[CheckResult]:
-    return check(steps.of_two)
+    return [] if wanted.domain.begins else check(steps.of_two)
 
 
 # Further questions, by the titles of those that are asked without a system.

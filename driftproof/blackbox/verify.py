@@ -87,7 +87,10 @@ def verify(
     found = boris or Corrected.named(method) or subject_of(method)
     if callable(system):  # which no other interpreter can import
         step = imported(step)
-    with IsolatedRunner(Target(step, calls, array, system is not None), time_limit, isolate) as runner:
+    if domain.begins:
+        _refuse_with_a_start(system, domain, calls=calls, array=array)
+    target = Target(step, calls, array, system is not None, start=domain.begins)
+    with IsolatedRunner(target, time_limit, isolate) as runner:
         if isinstance(found, FurtherMethod | Boris):
             if system is not None:
                 raise ValueError(f"{found.key} is no method of one step, which alone is held to a system")
@@ -146,7 +149,7 @@ def assert_verified(
 
 def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -> None:
     """Raise ValueError for what has no effect where a system is given."""
-    usual = replace(ORDINARY_DOMAIN, largest_step=domain.largest_step, largest_state=domain.largest_state)
+    usual = replace(domain, smallest_step=ORDINARY_DOMAIN.smallest_step, smallest_state=ORDINARY_DOMAIN.smallest_state)
     plain = replace(NO_ALLOWANCE, solver_tolerance=allowance.solver_tolerance)
     given = {"examples": examples} if examples != EXAMPLES else {}
     for mine, other in ((domain, usual), (allowance, plain)):
@@ -154,6 +157,16 @@ def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -
     if given:
         name, x = next(iter(given.items()))
         raise ValueError(f"{name}={x} has no effect with a system")
+
+
+def _refuse_with_a_start(system: Callable[..., Any] | str | None, domain: Domain, **others: Any) -> None:
+    """Raise ValueError for a start without a system, or beside what has no effect with it."""
+    if system is None:
+        raise ValueError("a start has no effect without a system: give --system, in Python system=f")
+    sized = {"largest_state": domain.largest_state} if domain.largest_state != ORDINARY_DOMAIN.largest_state else {}
+    for name, x in {**others, **sized}.items():
+        if x is not None:
+            raise ValueError(f"{name}={x} has no effect with a start")
 
 
 def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:

@@ -187,6 +187,7 @@ methods_option = partial(list_option, "--methods", type=_methods_listed, metavar
 steps_option = partial(list_option, "--h", type=read_by(steps_of), metavar="H,H")
 OTHER_PARAMETERS = "other values of parameters of your own problem, such as mu=5"
 parameters_option = partial(list_option, "--parameters", type=several(_parameter), metavar="NAME=VALUE")
+error_option = partial(list_option, "--error", type=several(positive_number("error")), metavar="E,E")
 digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
 places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))
 rounding_option = partial(

@@ -27,16 +27,18 @@ def stability_command(options: Namespace) -> str:
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
     On a linear problem y' = Ay, or y' = Ay + b with a point of rest, the verdicts are proved, for the exact value of
-    the double h that is run; on one of your own, if it has at most 20 components and none of its solutions grows. The
-    largest step size is also found by bisection with float steps. On any other problem the verdicts are observations.
-    "No small h" is said where powers grow however short the steps are; from larger h on, which are seen, they may be
-    bounded again. The first values of a multistep method are steps of another one, which is named.
+    the double h that is run; with b(t), which may jump, they are of the difference of two solutions. One of your own
+    has at most 20 components, and no solution of y' = Ay grows. The largest step size is also found by bisection with
+    float steps. On any other problem the verdicts are observations. "No small h" is said where powers grow however
+    short the steps are; from larger h on, which are seen, they may be bounded again. The first values of a multistep
+    method are steps of another one, which is named.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
       rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, tan, exp, log, sqrt, tanh, abs; 0.1 = 1/10;
                                             with kinks and jumps: max, min, sign, heaviside, floor, mod(t, 12)
-      start = ["1/2", "0"]                  at t = 0; rational, as is end
+      start = ["1/2", "0"]                  at t = 0; of numbers such as "pi/4", and of an end "2*pi", runs take the
+                                            nearest double, as is said, and steps are t/N
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title; if f changes it, errors are differences
                                             from that of the solution
@@ -58,11 +60,8 @@ def stability_command(options: Namespace) -> str:
         " implicit ones where the problem is stiff)"
     ),
     cli.parameters_option(cli.OTHER_PARAMETERS),
-    cli.list_option(
-        "--error",
-        "the accuracy you want, or several: tell first which method reaches it at the end, with which h, at what cost",
-        type=cli.several(cli.positive_number("error")),
-        metavar="E,E",
+    cli.error_option(
+        "the accuracy you want, or several: tell first which method reaches it at the end, with which h, at what cost"
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
     cli.list_option("--peers", "also scipy, diffrax, heyoka", type=cli.several(str), metavar="P,P"),

@@ -35,7 +35,7 @@ def scene_command(options: Namespace) -> str:
       h = "1/8"                         or 0.125, which is read exactly as well
       t = 10
       start = [1, 0]
-      readouts = ["state_error", "evaluations"]      of a problem also energy_error, largest_energy_change and _error
+      readouts = ["state_error", "evaluations"]      also largest_error and largest_energy_change, after all steps
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
@@ -83,6 +83,7 @@ def sweep_command(options: Namespace) -> str:
     cli.option("scenes", "presets, problems, .toml files, or stiff (default: all presets)", nargs="*", metavar="SCENE"),
     cli.output_option("the HTML file to write", required=True),
     cli.methods_option("for problems: keys or .toml files (default: those of `driftproof stability`)"),
+    cli.error_option("the accuracy you want on problems, or several: say which method reaches it, with which h"),
 )
 def report_command(options: Namespace) -> str:
     """Write presets, problems, or scenes and problems of your own from TOML files, as one page of HTML.
@@ -91,15 +92,16 @@ def report_command(options: Namespace) -> str:
       driftproof report -o report.html                  the lesson's presets
       driftproof report default -o report.html
       driftproof report mine.toml compare -o report.html
-      driftproof report kepler --methods rk4,velocity_verlet -o report.html
+      driftproof report kepler --methods rk4,velocity_verlet --error 1e-5 -o report.html
       driftproof report stiff -o report.html            stiff problems, and which steps methods can take on each
 
     The page is one file without scripts or external resources, with figures, tables and the numbers behind them. It has
     the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
     shows a scene). For a problem (`driftproof stability --help` shows one) it has the errors of methods against their
-    work, and the steps that they can take. The same scenes give the same bytes; a printed page shows everything.
+    work, who needs the least of it for an error at the end and on the way, and the steps that they can take. The same
+    scenes give the same bytes; a printed page shows everything.
     """
     import driftproof
 
-    about = {name: getattr(options, name) for name in ("output", "methods")}
+    about = {name: getattr(options, name) for name in ("output", "methods", "error")}
     return str(driftproof.report(*options.scenes, **about))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from driftproof.commands import arguments as cli
 
@@ -32,6 +32,9 @@ TARGET = (
 SOLVER_OPTION = cli.flag("--solver", "examine a whole solver: solve(f, t_span, y0, rtol, atol) -> (t, y)")
 METHOD_OPTION = partial(cli.option, "--method")
 SYSTEM_OPTION = cli.option("--system", "f(t, y) that a step without a force should have built in", metavar="MODULE:F")
+START_OPTION = cli.option(
+    "--start", "where a step with --system may be asked: 280:400, or 7e6,0,0; 0,7500,0", metavar="STATE"
+)
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
 WITH_A_METHOD = ("examples", "extremes", "largest_step", "largest_state", *ALLOWANCES)
@@ -75,6 +78,7 @@ def identify_command(options: Namespace) -> str:
     *TARGET,
     SOLVER_OPTION,
     SYSTEM_OPTION,
+    START_OPTION,
     METHOD_OPTION("a key of `driftproof methods`, a .toml file, boris, or abm2 to abm6 (PECE)", required=True),
 )
 def verify_command(options: Namespace) -> str:
@@ -103,7 +107,7 @@ def _examined(options: Namespace) -> str:
     if options.solver:
         from driftproof.blackbox.solvers.identify_solver import identify_solver
 
-        cli.refuse(options, (*WITH_A_STEPPER, *["system"] * hasattr(options, "system")), "with --solver")
+        cli.refuse(options, (*WITH_A_STEPPER, *["system", "start"] * hasattr(options, "system")), "with --solver")
         report = identify_solver(options.step, options.method, time_limit=options.time_limit)
         return _written(report, report.passed if options.method else report.answered, options)
     from driftproof.blackbox.identify import identify
@@ -118,8 +122,9 @@ def _examined(options: Namespace) -> str:
         return _written(report, report.answered, options)
     if getattr(options, "system", None):
         cli.refuse(options, WITHOUT_A_SYSTEM, "with --system")
-    sizes = {name: x for name in ("largest_step", "largest_state") if (x := getattr(options, name))}
-    domain = Domain(**sizes, **({"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}))
+    limits: dict[str, Any] = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
+    limits |= {x: y for x in ("largest_step", "largest_state", "start") if (y := getattr(options, x, None))}
+    domain = Domain(**limits)
     allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     how |= {"examples": examples, "domain": domain, "allowance": allowance, "system": getattr(options, "system", None)}

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count, pairwise
+from itertools import count, pairwise, product, takewhile
 from typing import Any
 
 from flint import arb, arb_poly, ctx
@@ -32,6 +32,8 @@ WIDENINGS, WIDER, LENGTH = 4, arb(2) ** -10, 4
 # The set is followed for at most so many times, each four times as long as the one before; f has to be certain on a set
 # so many times as wide as it is, since the first tube of a step is four times as wide in the norm of its weights.
 FOLLOWED, CERTAIN = 10, 64
+# A crossing takes no more than this part of the whole time: a wider window would not leave twelve digits.
+WIDEST_WINDOW = Fraction(1, 2**50)
 # The parts of the time to the crossing that a step leaves, the least first: near it, f's comparisons are nearly linear
 # in time, so that a step can leave about the square of the time that is left.
 LEFT = tuple(Fraction(1, 2**k) for k in (96, 48, 24, 12, 6, 3, 1))
@@ -166,6 +168,19 @@ def crossed(f: RightHandSide, t: Fraction, h: Fraction, box: Sequence[arb], marg
         wide = CERTAIN * (size(x.rad() for x in box) + margin)
         if _is_certain(f, end, [x + arb(0, wide.upper()) for x in box]):
             return Window(t, end - t, tuple(whole), tuple(box))
+    return None
+
+
+def window_near(f: RightHandSide, t: Fraction, s: Fraction, box: Sequence[arb], widest: Fraction) -> Window | None:
+    """A window from t for a change of f about the time s ahead, no longer than the `widest`; None if none is found."""
+    first = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
+    # Each is followed as far as the next but one.
+    units = [*takewhile(lambda unit: unit < widest, (first * 4 ** (k * FOLLOWED // 2) for k in count()))]
+    # The first tube of a step is wider than the set by so much, unless the weights say less.
+    for margin, unit in product((arb(2) ** -ctx.prec, arb(0)), units):
+        h = (t + 2 * unit) // unit * unit + unit - t  # so that the time behind it is short
+        if (window := crossed(f, t, h, box, margin)) is not None:
+            return window
     return None
 
 

@@ -39,6 +39,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 
 # Values of some parameters by name, as a mapping or as pairs.
 # Bits with which an expression is evaluated, far more than the 53 of the double that is wanted.
@@ -64,12 +65,15 @@ def problem_table(table: TomlTable) -> ProblemTable:
         raise ValueError("it is a method, not a problem; methods are compared by --methods FILE on a problem")
     require_keys(table, PROBLEM_KEYS, "a problem")
     start = _start(table)
-    field, unknowns = _field(table, start), unknowns_of_table(table)
+    field, unknowns = _field(table, [nearest(x) for x in start]), unknowns_of_table(table)
     return ProblemTable(field, start, _energy(table, replace(field, unknowns=unknowns)), unknowns)
 
 
 class GivenTable(NamedTuple):
-    """A right-hand side, and the start and the end that a table gives beside it, None where it gives none."""
+    """A right-hand side, and the start and the end that a table gives beside it, None where it gives none.
+
+    Of irrational numbers they are the nearest doubles, as a run in floats has.
+    """
 
     f: RightHandSide | VectorField
     start: tuple[Fraction, ...] | None = None
@@ -107,12 +111,12 @@ def with_parameters(table: TomlTable, parameters: GivenParameters, name: str = "
 def _of_table(table: TomlTable) -> GivenTable:
     require_keys(table, PROBLEM_KEYS, "a right-hand side")
     f = _function(table) if "function" in table else field_of_table(table)
-    end = rational_entry(table["end"], "end") if "end" in table else None
-    return GivenTable(f, _start(table) if "start" in table else None, end)
+    end = nearest(number_entry(table["end"], "end")) if "end" in table else None
+    return GivenTable(f, tuple(map(nearest, _start(table))) if "start" in table else None, end)
 
 
-def _start(table: TomlTable) -> tuple[Fraction, ...]:
-    return tuple(rational_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+def _start(table: TomlTable) -> tuple[CertifiableReal, ...]:
+    return tuple(number_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
 
 
 def as_toml(value: Any) -> Any:
@@ -153,7 +157,7 @@ def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:
     components = len(start)
     if "function" in table:
         f = _function(table)
-        end = rational_entry(table.get("end", 1), "end")
+        end = nearest(number_entry(table.get("end", 1), "end"))
         return reproduced_field(f, lambda: field_of_function(f, components), start, end)
     field = field_of_table(table)
     if len(field.rates) != components:
@@ -195,7 +199,7 @@ def _arguments(table: TomlTable) -> dict[str, Any]:
 def _nearest_double(value: Any, where: str, names: Mapping[str, str]) -> float:
     """The double nearest to a number or to an expression in pi and the names."""
     with suppress(ValueError):
-        return float(rational_entry(value, where))
+        return float(nearest(number_entry(value, where)))
     if not math.isfinite(found := _expression_in_doubles(str(value), names)):
         known = ", ".join(["pi", *names])
         raise ValueError(f"{where} is {quoted(value)}; write a number, or an expression in {known}")
@@ -205,24 +209,37 @@ def _nearest_double(value: Any, where: str, names: Mapping[str, str]) -> float:
 def _expression_in_doubles(text: str, names: Mapping[str, str] | None = None) -> float:
     """The double nearest to an expression in pi and the names; NaN if it is none."""
     with suppress(ValueError, ArithmeticError, Refused), in_bits(_BITS):
-        function = field_function(field_of_text([text], names=names))
-        return float(enclosed_invariant(lambda y: function(y[0] * 0, y), [arb("nan")], text).mid())
+        return float(_expression(text, names).mid())
     return math.nan
 
 
-def rational_entry(value: object, where: str) -> Fraction:
-    """The rational number in an entry of a table. Raises ValueError, which names the nearest double if it is 2*pi."""
+def _expression(text: str, names: Mapping[str, str] | None = None) -> arb:
+    """A ball of an expression in pi and the names, at Arb's current precision. Raises ValueError, Refused."""
+    function = field_function(field_of_text([text], names=names))
+    return enclosed_invariant(lambda y: function(y[0] * 0, y), [arb("nan")], text)
+
+
+def number_entry(value: object, where: str) -> CertifiableReal:
+    """The number in an entry of a table, exact if it is rational or algebraic, else enclosed, as 2*pi is.
+
+    Raises ValueError.
+    """
     if value is None or isinstance(value, bool | list | dict):
         shown = "missing" if value is None else quoted(value)
         raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
     try:
-        number: Any = parse_number(str(value), where)
+        return parse_number(str(value), where)
     except ValueError as error:  # perhaps it is written as rates are, such as 2*pi
-        number = _expression_in_doubles(str(value))
-        if not math.isfinite(number):
-            if "is a name" not in str(error):
-                raise
-            raise ValueError(f'{where} is {quoted(value)}; write a rational number, such as "1/3" or 0.1') from None
-    if not isinstance(number, Fraction):
-        raise ValueError(f"{where} is {value}; write a rational number, such as {float(number)!r}")
-    return number
+        if math.isfinite(_expression_in_doubles(str(value))):
+            return partial(_expression, str(value))
+        if "is a name" not in str(error):
+            raise
+        raise ValueError(f'{where} is {quoted(value)}; write a number such as "1/3", 0.1 or "2*pi"') from None
+
+
+def nearest(number: CertifiableReal) -> Fraction:
+    """The number, if it is rational, and else the double nearest to it."""
+    if isinstance(number, Fraction):
+        return number
+    with in_bits(_BITS):
+        return Fraction(float(enclose(number).mid()))

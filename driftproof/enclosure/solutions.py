@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count, product, takewhile
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.clocks import Clock
 from driftproof.enclosure.coordinates import basis_around
-from driftproof.enclosure.crossings import FOLLOWED, Crossing, Window, crossed
+from driftproof.enclosure.crossings import WIDEST_WINDOW, Crossing, Window, window_near
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, Stiff, in_bits, not_smooth
 from driftproof.enclosure.fields import (
     NO_SLOPE,
@@ -63,8 +62,6 @@ SHRUNK = 0.4
 # No problem needs a longer first step; a shorter one is found by trying. Each further step is a sixth of the radius of
 # convergence, which grows by no more than the length of a step: so 5/4 is more than the next can use.
 LONGEST_STEP, LONGER = Fraction(2) ** 20, Fraction(5, 4)
-# A crossing takes no more than this part of the whole time: a wider window would not leave twelve digits.
-WIDEST_WINDOW = Fraction(1, 2**50)
 
 
 @dataclass(frozen=True)
@@ -229,23 +226,13 @@ class _Path:
     def _cross(self, s: Fraction, error: Sequence[arb]) -> bool:
         """Go to where f is certain again after it changes at about the time s from now; False if that is not near."""
         box = [x + e for x, e in zip(self.point, error, strict=True)]
-        first = Fraction(2) ** (s.numerator.bit_length() - s.denominator.bit_length())
-        units = list(
-            takewhile(
-                lambda unit: unit < WIDEST_WINDOW * (self.last - self.first),
-                (first * 4 ** (k * FOLLOWED // 2) for k in count()),  # each is followed as far as the next but one
-            )
-        )
-        # The first tube of a step is wider than the set by so much, unless the weights say less.
-        for margin, unit in product((arb(2) ** -ctx.prec, arb(0)), units):
-            h = (self.t + 2 * unit) // unit * unit + unit - self.t  # so that the time behind it is short
-            if (window := crossed(self.f, self.t, h, box, margin)) is not None:
-                self.changes += [self.t] * (self.t > self.first)
-                self.step, self.t, self.longest = window, self.t + window.h, LONGEST_STEP
-                self.point, self.basis = [x.mid() for x in window.after], arb_mat(len(box), len(box), 1)
-                self.box = arb_mat([[x - m] for x, m in zip(window.after, self.point, strict=True)])
-                return True
-        return False
+        if (window := window_near(self.f, self.t, s, box, WIDEST_WINDOW * (self.last - self.first))) is None:
+            return False
+        self.changes += [self.t] * (self.t > self.first)
+        self.step, self.t, self.longest = window, self.t + window.h, LONGEST_STEP
+        self.point, self.basis = [x.mid() for x in window.after], arb_mat(len(box), len(box), 1)
+        self.box = arb_mat([[x - m] for x, m in zip(window.after, self.point, strict=True)])
+        return True
 
     def _has_crossed(self, h: Fraction) -> bool:
         """True after crossing what f refuses just ahead of a very short step, False before it; Refused at a pole."""

@@ -21,6 +21,7 @@ from driftproof.enclosure.clocks import Clock, TimeCut
 from driftproof.enclosure.collocation import NEGLIGIBLE, Stages, collocation, solved_stages
 from driftproof.enclosure.comparison import along_the_step, at_the_end, quasi_monotone, sizes_of
 from driftproof.enclosure.coordinates import Coordinates, basis_around, nearly_diagonal
+from driftproof.enclosure.crossings import WIDEST_WINDOW, Window, window_near
 from driftproof.enclosure.double_balls import bounds, coefficients_in_doubles, convolved, derivative, ranges
 from driftproof.enclosure.evaluations import Evaluation, Overlapping, Refused, not_smooth
 from driftproof.enclosure.fields import RightHandSide, enclosed_rates, linearised, obstacle_ahead
@@ -63,7 +64,7 @@ class StiffStep:
     around: arb_mat
     last: arb_mat
 
-    def at(self, t: Fraction) -> tuple[arb, ...]:
+    def state_at(self, t: Fraction) -> tuple[arb, ...]:
         """Balls of the solution at a time t of the step."""
         sigma = enclose(2 * (t - self.t) / self.h - 1)
         rest = self.last if t == self.t + self.h else self.around
@@ -90,7 +91,7 @@ class StiffPath:
         self.h = (last - first) / 1024 if step is None else step
         # The next step's span, its latest end, and whether f changed where it begins.
         self.span, self.end, self.jumped = (first, last), last, False
-        self.step: StiffStep | None = None
+        self.step: StiffStep | Window | None = None
         self.needed = arb_mat(self.n, 1)
         self.doubles, self.changes = set[float](), list[Fraction]()
         self.pieces: list[DensePiece] | None = None  # a list that gets one for each step
@@ -101,16 +102,17 @@ class StiffPath:
             return self.start
         while self.step is None or t > self.t:
             step = self.advance()
-            if self.pieces is not None:
+            if self.pieces is not None and isinstance(step, StiffStep):
                 self.pieces.append(DensePiece(step.t, step.h, -1, step.polynomials))
-        return self.step.at(t)
+        return self.step.state_at(t)
 
-    def advance(self) -> StiffStep:
+    def advance(self) -> StiffStep | Window:
         """Make the next step and return it. Raises Refused if none is found."""
         self.steps += 1
         if self.steps > self.most:
             raise Refused(f"{self.most} implicit steps, the limit, reach only t = {float(self.t):.9g}")
         obstacle: Refused | None = None
+        widest = WIDEST_WINDOW * (self.last - self.first)
         for _ in range(MOST_TRIES):
             h = min(_short(self.h), self.end - self.t)
             try:
@@ -119,6 +121,10 @@ class StiffPath:
                 self.end = cut.at
                 continue
             except Refused as refusal:
+                if isinstance(refusal, Overlapping) and 64 * h < widest:
+                    if (window := self._window(h, widest)) is not None:
+                        return window
+                    widest = Fraction(0)  # once is enough from here
                 added, obstacle = inf, refusal
             ratio = max(added / self.tolerance, 1e-30) ** (-1 / (1 + len(self.method.stages))) if added < inf else 0.0
             wanted, self.h = self.h, h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
@@ -131,10 +137,20 @@ class StiffPath:
                 elif h < SHORTEST_STIFF_PART * (self.t - self.first):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
-        reason = str(obstacle or "earlier errors grow too fast")
-        if isinstance(obstacle, Overlapping):
-            reason += "; a stiff problem needs implicit steps, which pass jumps at given times only"
+        reason = obstacle or "earlier errors grow too fast"
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
+
+    def _window(self, h: Fraction, widest: Fraction) -> Window | None:
+        """Cross a change of f that is less than a short step ahead; None if it is farther, or not proved."""
+        around = (sizes_of(self.set.basis) * self.set.widths).entries()
+        box = [x + r * arb(0, 1) for x, r in zip(self.set.point, around, strict=True)]
+        if (window := window_near(self.f, self.t, 16 * h, box, widest)) is None:
+            return None
+        self.changes += [self.t] * (self.t > self.first)
+        self.step, self.t, self.jumped, self.h = window, self.t + window.h, True, (self.last - self.first) / 1024
+        widths = arb_mat([[arb(x.rad())] for x in window.after])
+        self.set = ErrorSet([x.mid() for x in window.after], arb_mat(self.n, self.n, 1), widths)
+        return window
 
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""
@@ -210,7 +226,7 @@ class StiffPath:
     def _guess(self, step: arb) -> list[list[arb]]:
         """The values that the polynomial of the step before, without its last quarter, extrapolates to."""
         now = [x.mid() for x in self.set.point]
-        if self.step is None or self.jumped:
+        if not isinstance(self.step, StiffStep) or self.jumped:
             return [now] * (1 + len(self.method.stages))
         ratio = step / enclose(self.step.h)
         few = [p.truncate(3 * len(self.method.stages) // 4) for p in self.step.polynomials]

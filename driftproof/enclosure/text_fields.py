@@ -81,17 +81,21 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
     return made
 
 
-def linear_part(field: VectorField) -> tuple[tuple[tuple[Fraction, ...], ...], tuple[Fraction, ...]] | None:
-    """A and b, if f(t, y) = Ay + b is written so in rational numbers, with A(y - c) among them; else None."""
+def linear_part(field: VectorField) -> tuple[tuple[tuple[Fraction, ...], ...], tuple[Fraction, ...] | None] | None:
+    """A and b, if f(t, y) = Ay + b is written so in rational numbers, with A(y - c) among them; else None.
+
+    For a b that depends on the time, as a force that is switched does, A alone has to be rational, and b is None.
+    """
     n, zero = len(field.rates), Fraction(0)
-    if not (field.autonomous and field.linear):
-        return None
     slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components]
+    if not field.linear or not VectorField(tuple(slopes), field.parameters).autonomous:
+        return None
+    wanted = [slopes, None] if field.autonomous else [slopes]
     try:
-        at_origin, numbers = (tuple(map(Fraction, field_function(field, x)(zero, [zero] * n))) for x in (None, slopes))
+        numbers, *at_origin = (tuple(map(Fraction, field_function(field, x)(zero, [zero] * n))) for x in wanted)
     except (TypeError, ValueError, ArithmeticError):
         return None
-    return tuple(numbers[i : i + n] for i in range(0, n * n, n)), at_origin
+    return tuple(numbers[i : i + n] for i in range(0, n * n, n)), at_origin[0] if at_origin else None
 
 
 class _Numbered(ast.NodeTransformer):

@@ -64,14 +64,21 @@ class VectorField:
     @property
     def smooth(self) -> bool:
         """True if no rate has a kink or a jump: an absolute value, a choice, a number rounded to an integer."""
-        nodes = (node for i, rate in enumerate(self.rates) for node in ast.walk(_parsed(rate, i)))
-        return not any(isinstance(node, ast.IfExp) or getattr(node, "id", "") in ("abs", FLOOR) for node in nodes)
+        return not any(True for _ in self._kinks())
+
+    def _kinks(self) -> Iterator[ast.AST]:
+        """The parts of rates that say where one has a kink or a jump."""
+        for node in (node for i, rate in enumerate(self.rates) for node in ast.walk(_parsed(rate, i))):
+            if isinstance(node, ast.IfExp):
+                yield node.test
+            elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("abs", FLOOR):
+                yield node
 
     @property
     def linear(self) -> bool:
-        """True if f(t, y) = A(t) y + b(t) is written so: no derivative by a component reads one."""
-        slopes = (partial_derivative(rate, y) for rate in self.rates for y in self.components)
-        return self.smooth and not any(_names(ast.parse(slope)).intersection(self.components) for slope in slopes)
+        """True if f(t, y) = A(t) y + b(t) is written so: no derivative by a component reads one, and no kink does."""
+        slopes = (ast.parse(partial_derivative(rate, y)) for rate in self.rates for y in self.components)
+        return not any(_names(node).intersection(self.components) for node in (*self._kinks(), *slopes))
 
     def dependence(self) -> list[set[int]]:
         """The indices of the components that each rate reads."""

@@ -88,5 +88,5 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
 
 
 def rests_at_origin(problem: Problem) -> bool:
-    """True if f(0, 0) = 0 in floats, as where c is 0 in f(t, y) = A(y - c)."""
-    return not any(field_rate(problem.field)(0.0, (0.0,) * len(problem.start)))
+    """True if f(0, 0) = 0 in floats at all times, as where c is 0 in f(t, y) = A(y - c)."""
+    return problem.field.autonomous and not any(field_rate(problem.field)(0.0, (0.0,) * len(problem.start)))

@@ -11,8 +11,11 @@ FloatOrArray: TypeAlias = Any
 FloatState: TypeAlias = tuple[FloatOrArray, FloatOrArray]
 # Of a problem: the energy less that of the solution at the same time.
 ENERGY_ERROR = "energy_error"
-# Readouts of all states on the way, which are then kept; the last one is of a problem.
-TRAJECTORY, LARGEST_CHANGE, LARGEST_ERROR = ON_THE_WAY = ("trajectory", "largest_energy_change", "largest_energy_error")
+# Readouts of all states on the way, which are then kept.
+TRAJECTORY, LARGEST_STATE_ERROR, LARGEST_CHANGE, LARGEST_ERROR = ON_THE_WAY = (
+    *("trajectory", "largest_error"),
+    *("largest_energy_change", "largest_energy_error"),
+)
 
 
 def exact_state(start: FloatState, t: FloatOrArray) -> FloatState:

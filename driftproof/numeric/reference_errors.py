@@ -92,13 +92,19 @@ def errors(problem: Problem, states: Mapping[Fraction, _Floats], way: Way | None
 def _largest_on(way: Way, problem: Problem, dense: DenseSolution) -> dict[str, float]:
     """The largest errors at the states of a way."""
     true = dense.at(way.times)
-    found = {STATE: float(np.hypot.reduce(way.states - true, axis=1).max())}
+    found = {STATE: largest_state_error(problem, way)}
     if problem.energy is not None:
         found[ENERGY] = abs(largest_energy_error(problem, way))
     if is_oscillator(problem):
         ahead = np.abs(phase_error(tuple(way.states.T), tuple(true.T)))
         found[PHASE] = float(np.nan_to_num(ahead, nan=180.0).max())
     return found
+
+
+def largest_state_error(problem: Problem, way: Way) -> float:
+    """The largest distance on the way from a solution that is known all along, in floats."""
+    assert problem.reference.dense is not None
+    return float(np.hypot.reduce(way.states - problem.reference.dense.at(way.times), axis=1).max())
 
 
 def energy_of_solution(problem: Problem, t: Fraction) -> Decimal:

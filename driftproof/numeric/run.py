@@ -110,6 +110,10 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
             raise NonFiniteReadout(f"the exact state at t = {t:g} overflows binary64")
         return q, v
 
+    def largest_error() -> float:
+        true = readouts.exact_state(start, times_of_steps(scene.h, scene.steps))
+        return float(readouts.state_error(tuple(np.array(path).T), true).max())
+
     def largest_change() -> float:
         changes = readouts.float_energy_change(tuple(np.array(path).T), start)
         return float(changes[np.abs(changes).argmax()])
@@ -130,6 +134,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
         "energy_change": lambda: not_lost("energy_change", change(), state != start),
         readouts.ENERGY_ERROR: lambda: float(change()),  # the solution conserves it
         **dict.fromkeys((LARGEST_CHANGE, readouts.LARGEST_ERROR), largest_change),
+        readouts.LARGEST_STATE_ERROR: largest_error,
         "phase_error": lambda: readouts.phase_error(state, exact()),
         "steps": lambda: scene.steps,
         "evaluations": lambda: getattr(force, "calls", None),

@@ -11,7 +11,14 @@ from typing import Any
 import numpy as np
 
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY, TRAJECTORY
+from driftproof.numeric.readouts import (
+    ENERGY_ERROR,
+    LARGEST_CHANGE,
+    LARGEST_ERROR,
+    LARGEST_STATE_ERROR,
+    ON_THE_WAY,
+    TRAJECTORY,
+)
 from driftproof.numeric.run import (
     Counter,
     NonFiniteState,
@@ -48,6 +55,9 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
     path, ticks = [start], enumerate(counter(scene.steps), start=1)
     keep = not {*ON_THE_WAY}.isdisjoint(scene.readouts)
 
+    def way() -> off.Way:
+        return off.Way.of((n * h for n in range(len(path))), path)
+
     def look(done: int, y: State) -> None:
         path.extend([y] if keep else [])
         next(n for n, _ in ticks if n == done)
@@ -69,7 +79,8 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         "energy": lambda: float(energy(seen.state)),
         "energy_change": lambda: float(energy(seen.state) - energy(problem.start)),
         ENERGY_ERROR: lambda: float(energy(seen.state) - off.energy_of_solution(problem, scene.t)),
-        LARGEST_ERROR: lambda: off.largest_energy_error(problem, off.Way.of((n * h for n in range(len(path))), path)),
+        LARGEST_STATE_ERROR: lambda: off.largest_state_error(problem, way()),
+        LARGEST_ERROR: lambda: off.largest_energy_error(problem, way()),
         LARGEST_CHANGE: lambda: off.largest_energy_change(problem, np.array([[*y] for y in path])),
         "steps": lambda: scene.steps,
         "evaluations": lambda: evaluations_of(run, method, scene.steps),

@@ -18,7 +18,7 @@ from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, ON_THE_WAY
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, LARGEST_STATE_ERROR, ON_THE_WAY
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
@@ -90,7 +90,7 @@ class Scene:
         """Raise SceneError for what only the oscillator has, and for a time without a reference solution."""
         if self.start != _LESSON_START:
             raise SceneError(f"scene {self.name!r}: the problem fixes the start; remove `start`")
-        there_are = [name for name in READOUTS if name != "phase_error" and (problem.energy or "energy" not in name)]
+        there_are = [name for name in READOUTS if has(problem, name)]
         for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
             if absent := [name for name in names if name not in allowed]:
                 refusal = f"the problem {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
@@ -117,11 +117,17 @@ class Scene:
         return compared if self.selected in compared else (self.selected, *compared)
 
 
-def energies_of(problem: Problem) -> tuple[str, ...]:
-    """The readouts that tell how well a run keeps the energy: its changes or, if f changes it, its errors."""
-    if not problem.energy:
-        return ()
-    return (ENERGY_ERROR, LARGEST_ERROR) if problem.energy_changes else ("energy_change", LARGEST_CHANGE)
+def compared_readouts(problem: Problem) -> tuple[str, ...]:
+    """The readouts in which runs are compared: errors, changes of the energy or, if f changes it, its errors, calls."""
+    energies = (ENERGY_ERROR, LARGEST_ERROR) if problem.energy_changes else ("energy_change", LARGEST_CHANGE)
+    return tuple(name for name in ("state_error", LARGEST_STATE_ERROR, *energies, "evaluations") if has(problem, name))
+
+
+def has(problem: Problem, readout: str) -> bool:
+    """False for a readout of an energy or of the whole way, where the problem has none, or is known at few times."""
+    if readout == LARGEST_STATE_ERROR:
+        return problem.reference.dense is not None
+    return readout != "phase_error" and (bool(problem.energy) or "energy" not in readout)
 
 
 def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str, ...]) -> None:

@@ -34,7 +34,7 @@ BEYOND, AGAIN = range(4, 41, 4), 48
 # much by the end, 2e-13. Powers near a limit where two eigenvalues meet stay below GROWTH to a distance of 1e-18. What
 # has fallen below 1/GROWTH stays there, as n/GROWTH < 1.
 SQUARINGS, GROWTH, BITS = 48, 1e9, 150
-_VANISHED = (1 << BITS) // 10**9
+_VANISHED = (1 << BITS) // int(GROWTH)
 # Floats decide first, over 2**FEWER powers: those that fall below 1/GROWTH stay there, those above GROWTH have grown.
 FEWER = 36
 _U = 2.0**-53

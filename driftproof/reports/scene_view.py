@@ -9,10 +9,10 @@ from typing import Any
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR
+from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_CHANGE, LARGEST_ERROR, LARGEST_STATE_ERROR
 from driftproof.numeric.run import Counter, Readouts, RunEnded
 from driftproof.numeric.scene_run import run_scene
-from driftproof.numeric.scenes import TABLE, Scene, energies_of
+from driftproof.numeric.scenes import TABLE, Scene, compared_readouts
 from driftproof.numeric.sweep import strings
 from driftproof.support.plain_text import LARGEST_PLAIN, short, table, with_digits
 
@@ -43,7 +43,7 @@ def _compared(scene: Scene) -> tuple[str, ...]:
     """The readouts in the table of methods."""
     if scene.problem is None:
         return COMPARED_READOUTS
-    return ("state_error", *energies_of(scene.problem), "evaluations")
+    return compared_readouts(scene.problem)
 
 
 def runs_of(
@@ -113,6 +113,7 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical (q, v)", _pair(_fixed(3))),
     "exact_state": ("Exact (q, v)", _pair(_fixed(3))),
     "state_error": ("State error", _fixed(6)),
+    LARGEST_STATE_ERROR: ("Largest state error", _fixed(6)),
     "energy": ("Final energy", _fixed(6)),
     "energy_change": ("Energy change", _fixed(6)),
     LARGEST_CHANGE: ("Largest energy change", _fixed(6)),
@@ -130,7 +131,7 @@ _components = _pair(lambda x: with_digits(x, _DIGITS))
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
-    **{name: (label, short) for name, (label, _) in _SHOWN.items() if name == "state_error" or "energy" in name},
+    **{name: (label, short) for name, (label, _) in _SHOWN.items() if "error" in name or "energy" in name},
     "evaluations": ("Evaluations of f", str),
 }
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from math import ceil, frexp, inf, isfinite
+from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
@@ -45,11 +46,14 @@ from driftproof.numeric.stability import (
     observe,
     stays_bounded,
 )
+from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
 from driftproof.numeric.work_precision.integrators import has_numba
+from driftproof.reports import user_problem
 from driftproof.reports.progress import with_progress
 from driftproof.reports.stability_tables import DIGITS, STABLE_FROM, limit_text, problems_text, stability_text
-from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, kinks_of, problem_given
+from driftproof.reports.user_problem import MOST_PROVED, GivenProblem, kinks_of, problem_given, program
+from driftproof.support import kept
 from driftproof.support.plain_text import Json, counted
 from driftproof.support.progress import stage
 from driftproof.support.results import Answered
@@ -135,8 +139,11 @@ def of_proofs(problem: Problem) -> str:
     """What must be said of proofs on a linear problem: of which numbers they are, or why there are none; else ""."""
     constants = [f"{name} = {float(x)!r}" for name, x in problem.field.parameters if not isinstance(x, Fraction)]
     if problem.matrix is not None:
-        return f"proved: with {', '.join(constants)}, the double of the runs" if constants else ""
-    wanted = f"solutions that do not grow, at most {MOST_PROVED} components, and + - * / of numbers and pi"
+        said = ["of the difference of two solutions, which what f adds at a time leaves as it is"]
+        said = said * (not problem.field.autonomous)
+        said += [f"with {', '.join(constants)}, the double of the runs"] if constants else []
+        return f"proved: {'; '.join(said)}" if said else ""
+    wanted = f"solutions that do not grow, at most {MOST_PROVED} components, slopes of + - * / of numbers and pi"
     linear = problem.field.linear and any(problem.field.dependence())
     return f"Linear, but nothing is proved: that takes {wanted}" if linear else ""
 
@@ -245,6 +252,7 @@ def _linear(rows: Sequence[Sequence[Fraction]]) -> VectorField:
 
 
 def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
+    """The fewest steps that follow the solution; in this user's cache, if the search was long."""
     start, extent = float_start(problem), largest_state_size(problem)
     least = runs.method.steps if isinstance(runs, MultistepRun) else 1  # fewer are those of the start
 
@@ -255,12 +263,18 @@ def _nonlinear_part(problem: Problem, method: Entry, runs: Advance) -> Json:
         seen = observe(runs, start, float_step(problem.t, steps), steps, _LOST * extent)
         return seen.failed_after is None and error_of(problem, seen) <= FOLLOWS * extent
 
-    most = _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
+    about = {"problem": digest(problem), "method": digest(method), "numba": str(has_numba()), "program": program()}
+    if (held := kept.cached(about)) is not None:
+        return {name: held[name] for name in ("fewest_steps", "looked_up_to")}
+    began, most = perf_counter(), _MOST_EXPLICIT if method.explicit else _MOST_IMPLICIT
     if has_numba() and not (follows(most // 2) and follows(most)):  # one alone may be luck
         runs, longest = advance(method, problem, compiled=True), _MOST_COMPILED[method.explicit]
         while most < longest and not (follows(most // 2) and follows(most)):
             most *= 2
-    return {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
+    found = {"fewest_steps": fewest_steps(follows, most), "looked_up_to": most}
+    if perf_counter() - began > user_problem.LONG:
+        kept.cache(about, found)
+    return found
 
 
 def _nonlinear_answer(problem: Problem, method: Entry, runs: Advance) -> Json:

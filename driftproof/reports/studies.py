@@ -66,11 +66,7 @@ def work_precision(
     decay, at = fastest_decay(about)
     usual = _FOR_STIFF if decay * about.t >= STIFF_DECAY else WORK_PRECISION_METHODS
     asked = methods_of(methods or usual)
-    errors = error.split(",") if isinstance(error, str) else error if isinstance(error, Sequence) else [error]
-    wanted = [x if isinstance(x, float) else float(exact_number(x, "error")) for x in errors]
-    if not all(x > 0 for x in wanted):
-        raise ValueError(f"error = {error}; must be positive")
-    study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), wanted)
+    study = Study(about, asked, peers_named(peers), float(Fraction(time_limit)), errors_wanted(error))
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:
         if folder:
@@ -101,3 +97,12 @@ def work_precision(
         else ""
     )
     return Answered(both, lambda _: "\n".join([study_text(study, measured, stiff), *written]), measured)
+
+
+def errors_wanted(error: ExactNumber | Sequence[ExactNumber]) -> list[float]:
+    """The errors that are wanted, from one, from several, or from a text like "1e-5,1e-8". Raises ValueError."""
+    errors = error.split(",") if isinstance(error, str) else error if isinstance(error, Sequence) else [error]
+    wanted = [x if isinstance(x, float) else float(exact_number(x, "error")) for x in errors]
+    if not all(x > 0 for x in wanted):
+        raise ValueError(f"error = {error}; must be positive")
+    return wanted

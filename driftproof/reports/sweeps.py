@@ -16,7 +16,7 @@ from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers,
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts
-from driftproof.numeric.scenes import PRESETS, Scene, energies_of
+from driftproof.numeric.scenes import PRESETS, Scene, compared_readouts
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
@@ -70,7 +70,10 @@ def sweep(
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
     with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
-        found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
+        try:
+            found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(*[f"the same command goes on from {output}"] * (output is not None)) from None
     return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
 
 
@@ -91,8 +94,8 @@ def _scene_of(
     (keys, own), steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
-    readouts = ("state_error", *energies_of(problem), "evaluations")
-    return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
+    name, readouts = Path(problem.key).stem, compared_readouts(problem)
+    return Scene(name, keys[0], steps[0], problem.t, readouts=readouts, problem=problem, own=own)
 
 
 def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:

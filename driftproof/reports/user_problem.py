@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from base64 import b64decode, b64encode
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -23,7 +24,14 @@ from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.evaluations import TWO_RUNS, Refused
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.numbers import size
-from driftproof.enclosure.problem_tables import GivenParameters, as_toml, problem_table, rational_entry, with_parameters
+from driftproof.enclosure.problem_tables import (
+    GivenParameters,
+    as_toml,
+    nearest,
+    number_entry,
+    problem_table,
+    with_parameters,
+)
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import DensePiece
 from driftproof.enclosure.text_fields import field_function, linear_part
@@ -39,7 +47,7 @@ from driftproof.numeric.reference_errors import ENERGY, floors
 from driftproof.support import kept
 from driftproof.support.plain_text import counted
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, read_toml
+from driftproof.support.toml_tables import TomlTable, as_line, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, significant
 from driftproof.symbolic.linear.stability_limits import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -64,6 +72,8 @@ LONG = 1.0
 # Of the largest component: doubles of the solution are nearer to its digits.
 _NEAR = 1e-9
 KINKED = "f has kinks or jumps"
+# What the enclosure says of a rate.
+_COMPONENT = re.compile(r"f is not finite \(component (\d+)\)")
 # Times of kinks that are shown.
 _MOST_TIMES = 5
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
@@ -108,17 +118,34 @@ def names_problem(given: object) -> bool:
 
 
 def _problem(table: TomlTable, name: str) -> Problem:
-    field, start, energy, unknowns = problem_table(table)
-    end = rational_entry(table.get("end"), "end")
+    field, given, energy, unknowns = problem_table(table)
+    exactly = {"end": number_entry(table.get("end"), "end")} | {f"start[{i}]": x for i, x in enumerate(given)}
+    end, *start = map(nearest, exactly.values())
     if end <= 0:
-        raise ValueError(f"end is {end}; it must be above 0, where problems begin")
+        raise ValueError(f"end is {brief(end)}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
-    reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
+    if rounded := [f"{where} = {float(nearest(x))!r}" for where, x in exactly.items() if not isinstance(x, Fraction)]:
+        title += f", with {', '.join(rounded)}, nearest doubles"
+    try:
+        reference, second_order = _reference(field, start, tuple(end * k / PARTS for k in range(1, PARTS + 1))), False
+    except Refused as reason:
+        said = _COMPONENT.sub(lambda found: _rate_as_given(table, int(found[1]), found[0]), str(reason))
+        raise Refused(said, reason.t) from None
     with suppress(MethodError):
         second_order = bool(field.second_order())
-    found = Problem(name, title, field, start, reference, name, energy, second_order=second_order, unknowns=unknowns)
+    about = (name, title, field, tuple(start), reference, name, energy)
+    found = Problem(*about, second_order=second_order, unknowns=unknowns)
     changes = "" if energy is None else _change_of(found, energy)
     return replace(found, energy_changes=changes, matrix=matrix_in(field))
+
+
+def _rate_as_given(table: TomlTable, i: int, otherwise: str) -> str:
+    """A component of f as the table writes it, with its key; else as before."""
+    rates = table.get("rates")
+    if isinstance(rates, Mapping):
+        name = [*rates][i]
+        return f"rates.{name} = {quoted(rates[name])} is not finite"
+    return f"rates[{i}] = {quoted(rates[i])} is not finite" if isinstance(rates, list) else otherwise
 
 
 def _change_of(problem: Problem, energy: str) -> str:
@@ -131,13 +158,13 @@ def _change_of(problem: Problem, energy: str) -> str:
             balls = [arb(f"{text} +/- 1e{Decimal(text).as_tuple().exponent}") for text in digits]
             change = enclosed_invariant(lambda y: function(y[0] * 0, y), balls, "energy") - first
             if change.abs_lower() > least:
-                return f"{decimal(change)} at t = {t}"
+                return f"{decimal(change)} at t = {float(t):.6g}"
     return ""
 
 
 def _reference(field: VectorField, start: Sequence[Fraction], times: tuple[Fraction, ...]) -> Reference:
     """The `enclosed_reference`, from this user's cache if the same one has been enclosed by the same program."""
-    about = {"field": field, "start": start, "times": times, "flint": flint.__version__, "program": _program()}
+    about = {"field": field, "start": start, "times": times, "flint": flint.__version__, "program": program()}
     question = {name: repr(value) for name, value in about.items()}
     with suppress(ValueError, KeyError, TypeError):
         if (held := kept.cached(question)) is not None:
@@ -155,10 +182,10 @@ _DENSE = tuple(array.name for array in fields(DenseSolution))
 
 
 @cache
-def _program() -> str:
-    """A hash of all that an enclosure is computed by."""
+def program() -> str:
+    """A hash of all that an enclosure, or a run in floats, is computed by."""
     home, found = Path(driftproof.__file__).parent, sha256()
-    for folder in ("enclosure", "methods", "reports", "symbolic/algebra"):
+    for folder in ("enclosure", "methods", "numeric", "reports", "symbolic/algebra"):
         for path in sorted(home.joinpath(folder).glob("*.py")):
             found.update(path.read_bytes())
     return f"{driftproof.__version__}, {found.hexdigest()}"
@@ -193,7 +220,8 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
             said = f"enclosed in {found.steps} steps, {bits} bits"
             return Reference(tuple(times), digits, CERTIFIED, said, dense_of(pieces), found.changes)
         except Refused as reason:
-            refusal = Refused(str(reason).replace(TWO_RUNS, "give the problem an end before it"), reason.t)
+            said = str(reason).replace("if f jumps there, ", "").replace(TWO_RUNS, "give the problem an end before it")
+            refusal = Refused(said, reason.t)
             if reason.t is None:  # more bits lead no further
                 raise refusal from None
         except Uncertified:
@@ -239,19 +267,19 @@ def kinks_of(problem: Problem) -> str:
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
-    """A, if f(t, y) = A(y - c) is written so, or as Ay + b, in at most MOST_PROVED components, and no solution grows.
+    """A, if f(t, y) = A(y - c) or Ay + b(t) is written so in at most MOST_PROVED components, and no solution grows.
 
-    Steps commute with the shift by c, so that what is proved of y' = Ay holds. Else None. A constant such as pi stands
-    in A as the double with which steps are run.
+    Steps commute with the shift by c, so that what is proved of y' = Ay holds; with b(t) it holds of the difference of
+    two solutions. Else None. A constant such as pi stands in A as the double with which steps are run.
     """
     in_doubles = tuple((name, x if isinstance(x, Fraction) else Fraction(float(x))) for name, x in field.parameters)
     if len(field.rates) > MOST_PROVED or (found := linear_part(replace(field, parameters=in_doubles))) is None:
         return None
     rows, at_origin = found
     try:
-        with_b = [[as_fmpq(x) for x in (*row, b)] for row, b in zip(rows, at_origin, strict=True)]
+        with_b = [[as_fmpq(x) for x in (*row, b)] for row, b in zip(rows, at_origin or (0,) * len(rows), strict=True)]
         shifted = fmpq_mat(with_b).rank() == fmpq_mat([row[:-1] for row in with_b]).rank()  # b is in the range of A
         bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
     except (TypeError, ValueError, ArithmeticError):
         return None
-    return rows if bounded and shifted else None
+    return rows if bounded and shifted and (at_origin is not None or any(map(any, rows))) else None

@@ -13,7 +13,7 @@ from typing import Any
 from driftproof.support.files import atomic_write
 
 # Chosen: at a few megabytes at most each, what a cache may take of a disk.
-MOST_FILES = 32
+MOST_FILES = 64
 
 
 class NotKept(ValueError):

@@ -55,7 +55,7 @@ NO_FUNCTION = {"methods", "completion"}
 TESTED_ELSEWHERE = {"work-precision", "report", "render", *NO_FUNCTION}
 # What a command only has because it writes to a terminal or to files, and what it calls otherwise.
 OF_THE_COMMAND = {"help", "format", "all", "plot", "picture", "figure", "tolerance", "solver", "check", "list"}
-OF_A_CLAIM = {"examples", "largest_step", "largest_state", "extremes", "solver_tolerance"} | {
+OF_A_CLAIM = {"start", "examples", "largest_step", "largest_state", "extremes", "solver_tolerance"} | {
     *("step_in_binary32", "velocity_from_positions", "flush_to_zero")
 }
 OTHERWISE = {

@@ -67,7 +67,8 @@ def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(
             time.sleep(0.01)
         time.sleep(0.2)  # by now the processes are being started
         os.killpg(running.pid, signal.SIGINT)
-        assert (*running.communicate(timeout=60), running.returncode) == ("", "driftproof sweep: interrupted\n", 130)
+        told = f"driftproof sweep: interrupted; the same command goes on from {path}\n"
+        assert (*running.communicate(timeout=60), running.returncode) == ("", told, 130)
     assert lines <= path.read_bytes().count(b"\n") <= 2  # the short run may be answered by then, the long ones are not
     for _ in range(100):  # who is killed may still be on its way out
         listed = subprocess.run(["ps", "-e", "-o", "pgid=,stat="], capture_output=True, text=True, check=True).stdout

@@ -247,7 +247,7 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_window_excludes_the_solution(name, monkeypatch):
-    monkeypatch.setattr("driftproof.enclosure.solutions.crossed", mutant("crossings", WRONG[name]).crossed)
+    monkeypatch.setattr("driftproof.enclosure.crossings.crossed", mutant("crossings", WRONG[name]).crossed)
     monkeypatch.setattr("driftproof.enclosure.solutions.MOST_STEPS", 60)
     for f, start, end, exact in (CROSSING["a jump at a double"], CROSSING["a jump by 1000"]):
         try:

@@ -78,4 +78,4 @@ def test_model_is_floored_both_ways_unless_it_goes_forward():
 def test_a_model_is_positive_if_it_is_at_both_ends_of_its_time_and_a_series_where_it_begins():
     model = TaylorModel([arb(-1), arb(3)], 5)
     assert [Evaluation(forward=True).is_positive(x) for x in (model, -model, model + 2)] == [False, False, True]
-    assert [Evaluation().is_positive(arb_series([arb(x), arb(-x)], 5)) for x in (1, -1)] == [True, False]
+    assert [Evaluation().is_positive(arb_series([arb(x), arb(-x)], 5)) for x in (1, 0, -1)] == [True, False, False]

@@ -8,6 +8,7 @@ from random import Random
 import numpy as np
 import pytest
 from flint import arb, arb_mat, arb_poly, ctx
+from mpmath import cos, exp, findroot, mpf, nstr, sin, workdps
 from tqdm import tqdm
 
 from driftproof import certify
@@ -175,10 +176,18 @@ def test_start_is_as_it_was_given():
     assert first == (arb(0.1),)
 
 
-def test_step_over_a_branch_is_refused():
-    f = lambda t, y: [-1000 * (y[0] - np.cos(t)) if y[0] > 0.6 else -y[0]]
-    with pytest.raises(Refused, match=r"no implicit step from t = 0\.92.*: f compares numbers whose"):
-        enclosed(f, [1.0], [Fraction(0), Fraction(2)], 64)
+def test_a_branch_is_crossed_and_one_along_which_the_solution_slides_is_refused():
+    """The solution above 0.6 is (10^6 cos t + 1000 sin t + e^(-1000t))/(10^6 + 1); below it decays as e^(-t)."""
+    f, slides = (
+        lambda t, y, below=below: [-1000 * (y[0] - np.cos(t)) if y[0] > 0.6 else below * y[0]] for below in (-1, 1)
+    )
+    (_, (y,)) = enclosed(f, [1.0], [Fraction(0), Fraction(2)], 64)
+    with workdps(30):
+        at = findroot(lambda t: (10**6 * cos(t) + 1000 * sin(t) + exp(-1000 * t)) / (10**6 + 1) - mpf(0.6), 0.93)
+        assert y.overlaps(arb(nstr(0.6 * exp(at - 2), 30)))
+    assert y.rad() < 1e-11
+    with pytest.raises(Refused, match=r"near t = 0\.92|no implicit step from t = 0\.92"):
+        enclosed(slides, [1.0], [Fraction(0), Fraction(2)], 64)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction as Q
-from math import inf, nan
+from math import cos, hypot, inf, nan, sin
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,8 @@ def scene(**changed: Any) -> Scene:
 
 
 SPIED = {
-    "exact_state": {"exact_state"}, "state_error": {"exact_state", "state_error"}, "energy": {"energy"},
+    **{key: {"exact_state", "state_error"} for key in ("state_error", "largest_error")},
+    "exact_state": {"exact_state"}, "energy": {"energy"},
     **{
         f"{which}energy_{of}": {"float_energy_change", "energy"}
         for which in ("", "largest_") for of in ("change", "error")
@@ -75,6 +76,14 @@ def test_trajectory_is_kept_and_calls_are_counted_only_when_asked_for(
     run_method(scene(readouts=(asked,)), "rk4")
     assert (seen["record"] is not None) == (asked in ON_THE_WAY)
     assert (seen["force"] is not oscillator) == (asked == "evaluations")
+
+
+def test_the_largest_error_is_that_of_all_steps() -> None:
+    """Symplectic Euler's states lie on an ellipse, and so come nearer to the circle again."""
+    found = run_method(scene(readouts=("trajectory", "largest_error"), h=Q(1, 2)), "symplectic_euler")
+    apart = [hypot(q - cos(t), v + sin(t)) for t, (q, v) in zip(*found["trajectory"], strict=True)]
+    assert found["largest_error"] == pytest.approx(max(apart), rel=1e-12)
+    assert max(apart) > apart[-1]
 
 
 def test_asking_for_nothing_is_an_error() -> None:

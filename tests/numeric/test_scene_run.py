@@ -13,10 +13,10 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.advance import advance, float_start
 from driftproof.numeric.run import NonFiniteReadout, NonFiniteState, RunEnded, run_method
 from driftproof.numeric.scene_run import run_scene
-from driftproof.numeric.scenes import PRESETS, READOUTS
+from driftproof.numeric.scenes import PRESETS, READOUTS, has
 
 KEPLER = PROBLEMS["kepler"]
-OF_PROBLEM = tuple(name for name in READOUTS if name != "phase_error")
+OF_PROBLEM = tuple(name for name in READOUTS if has(KEPLER, name))
 
 
 def of_kepler(h: Q = Q(1, 50), selected: str = "velocity_verlet", readouts: tuple[str, ...] = OF_PROBLEM) -> Scene:
@@ -110,6 +110,7 @@ def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
     ("changed", "message"),
     [
         ({"start": (Q(0), Q(1))}, "the problem fixes the start; remove `start`"),
+        ({"readouts": ("largest_error",)}, "the problem kepler has no readout largest_error; choose from final_state"),
         ({"readouts": ("phase_error",)}, "the problem kepler has no readout phase_error; choose from final_state"),
         ({"panels": ("position",)}, "the problem kepler has no panel position; choose from table"),
         ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is known only at t = 5/2, 5, .*, 20$"),

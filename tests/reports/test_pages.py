@@ -17,6 +17,7 @@ def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
     written = report("compare", replace(PRESETS["compare"], name="once_more"), output=path)
     assert str(written) == f"wrote {path}"
     assert path.read_text(encoding="utf-8") == page.html
-    with pytest.raises(ValueError, match="methods are for problems, and none is named"):
-        report("compare", methods="rk4")
+    for what, given in (("methods", {"methods": "rk4"}), ("errors", {"error": 1e-3})):
+        with pytest.raises(ValueError, match=f"{what} are for problems, and none is named"):
+            report("compare", **given)
     assert json.loads(written.json()) == {"scenes": ["Compare", "Once more"], "output": str(path)}

@@ -12,6 +12,7 @@ import driftproof
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.reports import user_problem
 from driftproof.reports.stability import behaviour
 from driftproof.reports.stability_tables import stability_text
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -58,6 +59,19 @@ def test_a_proof_says_of_which_numbers_it_is_and_a_linear_problem_why_it_has_non
     """2.785293563405/(2 pi) = 0.443293238...; what is looked at goes to the end of the problem, t = 1."""
     found = str(driftproof.stability({"rates": [rate], "start": [1], "end": 1}, "rk4,backward_euler", 1))
     assert re.search(said, found)
+
+
+def test_a_search_that_took_long_is_not_made_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    logistic = {"rates": ["y0 - y0^2"], "start": ["1/2"], "end": 4}
+    first = str(driftproof.stability(logistic, "rk4"))
+    assert [*tmp_path.iterdir()] == []
+    monkeypatch.setattr(user_problem, "LONG", 0.0)
+    driftproof.stability(logistic, "rk4")
+    monkeypatch.setattr("driftproof.reports.stability.fewest_steps", lambda *_: 1000)
+    assert str(driftproof.stability(logistic, "rk4")) == first
+    found = driftproof.stability(logistic | {"end": 5}, "rk4")
+    assert found["methods"][0]["fewest_steps"] == 1000, "twin: another problem"
 
 
 def test_so_many_steps_are_run_and_no_more():

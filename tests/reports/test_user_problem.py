@@ -13,6 +13,7 @@ from flint import arb, ctx
 from mpmath import atan, cos, exp, mpf, nstr, sin, sqrt, workdps
 
 from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.problem_tables import problem_table
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
@@ -27,7 +28,7 @@ from driftproof.reports.studies import work_precision
 from driftproof.reports.sweeps import sweep
 from driftproof.reports.user_problem import MOST_PROVED, enclosed_reference, matrix_in, problem_given
 from driftproof.support import kept
-from driftproof.symbolic.algebra.certified import Uncertified
+from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from tests.looping import exactly
 
 WRITTEN = """
@@ -202,7 +203,9 @@ LINEAR = {
     "-y0 + 1": [[-1]], "y1; -y0 - y1/5 + 1": [[0, 1], [-1, Fraction(-1, 5)]], "0; 2 - y1": [[0, 0], [0, -1]],
     "1": None, "y1; 1 - y1": None, "1; -y1": None, "-y0*t": None,
     "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": [[Fraction(-math.pi)]],
-    "y0": None, "y1; 0": None, "-y0*y0/y0": None,
+    "y0": None, "y1; 0": None, "-y0*y0/y0": None, "abs(t - 1)": None, "y0 + sin(t)": None,
+    "y1; heaviside(1/3 - t) - 4*y0": [[0, 1], [-4, 0]], "exp(t) - sqrt(2)*floor(t) - y0": [[-1]],
+    "-heaviside(1 - t)*y0": None, "max(t, y0) - 2*y0": None,
 }  # fmt: skip
 
 
@@ -221,12 +224,14 @@ def test_affine_problem_has_the_proofs_of_its_linear_part_and_runs_of_its_own():
     assert float(found["seen"]["bounded"]) == pytest.approx(0.9554413467300663, rel=1e-12)
     assert [run["lost"] for run in found["runs"]] == [True, False, False]
     springs = {"start": [0, 0], "end": 10}
-    moved, still = (springs | {"rates": ["y1", rate]} for rate in ("10^9 - 4*y0", "-4*y0"))
-    pairs = [stability(each, ["rk4", "velocity_verlet", "implicit_midpoint"])["methods"] for each in (moved, still)]
-    for a, b in exactly(3, zip(*pairs, strict=True)):
-        assert [a[key] for key in ("limit", "attained", "seen")] == [b[key] for key in ("limit", "attained", "seen")]
-    oscillator = [is_oscillator(problem_given(springs | {"rates": ["y1", rate]})) for rate in ("1 - y0", "-y0")]
-    assert oscillator == [False, True]
+    moved = [springs | {"rates": ["y1", rate]} for rate in ("-4*y0", "10^9 - 4*y0", "sign(5 - t) - 4*y0")]
+    told = [stability(each, ["rk4", "velocity_verlet", "implicit_midpoint"]) for each in moved]
+    for a, b, c in exactly(3, zip(*(each["methods"] for each in told), strict=True)):
+        for key in ("limit", "attained", "seen"):
+            assert a[key] == b[key] == c[key]
+    assert ["proved: of the difference of two solutions" in str(each) for each in told] == [False, False, True]
+    asked = {"-y0": True, "1 - y0": False, "sin(t) - y0": False}
+    assert {rate: is_oscillator(problem_given(springs | {"rates": ["y1", rate]})) for rate in asked} == asked
 
 
 @pytest.mark.slow
@@ -243,15 +248,31 @@ def test_own_linear_problem_has_the_same_proofs_as_ours():
     assert matrix_in(field_of_text(twenty_one.rpartition(";")[0])) is not None
 
 
+def test_an_end_and_a_start_may_be_irrational_and_runs_take_the_nearest_doubles():
+    """The solution of q'' = -q from them is enclosed at that double; for `value` the start is pi/4 to all digits."""
+    given = {"rates": {"q": "v", "v": "-q"}, "start": {"q": "pi/4", "v": "sqrt(2)"}, "end": "2*pi"}
+    found = problem_given(given)
+    assert (found.t, found.start) == (Fraction(2 * math.pi), (Fraction(math.pi / 4), Fraction(math.sqrt(2))))
+    said = "own, with end = 6.283185307179586, start[0] = 0.7853981633974483, start[1] = 1.4142135623730951"
+    assert found.title == f"{said}, nearest doubles"
+    with workdps(30):
+        q, v, t = map(mpf, (math.pi / 4, math.sqrt(2), 2 * math.pi))
+        assert found.reference.states[-1][0] == nstr(q * cos(t) + v * sin(t), 20)
+    with ctx.workprec(100):
+        assert (enclose(problem_table(given).start[0]) - arb.pi() / 4).abs_upper() < 1e-28
+
+
 REFUSED = {
     'rates = ["y0"]\nstart = [0]': "end is missing; write a number",
-    'rates = ["y0"]\nstart = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write .*, such as 1\.4142135623730951$",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
-    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a rational number, such as "1/3" or 0\.1$',
+    'rates = ["y0"]\nstart = ["nan"]\nend = 1': r'start\[0\] is .nan.; write a number such as "1/3", 0\.1 or "2\*pi"$',
+    'rates = ["y0"]\nstart = [0]\nend = "-pi"': "end is -.*; it must be above 0",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"\nparameters.c = 3': r"parameters\.k: c has to stand",
     'rates = ["-k*y0"]\nstart = [1]\nend = 1\nparameters.k = "2*c"': "parameters.k: '.*c' is a name",
     'rates = ["sqrt(y0)"]\nstart = [0]\nend = 1': "f takes the root of a number that may be 0",
-    'rates = ["0", "y1/y0"]\nstart = [0, 1]\nend = 1': r"f is not finite \(component 1\) near t = 0$",
+    'rates = ["0", "y1/y0"]\nstart = [0, 1]\nend = 1': r": rates\[1\] = 'y1/y0' is not finite near t = 0$",
+    'rates.v = "-v/x"\nrates.x = "v"\nstart.x = 0\nstart.v = 1\nend = 1': r": rates\.v = '-v/x' is not finite near t",
+    'rates = ["y0^2"]\nstart = [1]\nend = 2': "not smooth, near t = 1; give the problem an end before it$",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
     f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
@@ -297,13 +318,13 @@ def test_an_energy_that_dies_out_is_compared_with_that_of_the_solution():
         path.append(step(path[-1], 1 / 8, 0, 1))
     with workdps(30):
         w = sqrt(mpf(99) / 100)
-
-        def energy(t):
-            shrunk = exp(-t / 10)
-            return shrunk**2 * ((cos(w * t) + sin(w * t) / (10 * w)) ** 2 + (sin(w * t) / w) ** 2) / 2
-
-        off = [(mpf(x) ** 2 + mpf(v) ** 2) / 2 - energy(mpf(n) / 8) for n, (x, v) in enumerate(path)]
+        waves = [(exp(-t / 10), cos(w * t), sin(w * t)) for t in (mpf(n) / 8 for n in range(81))]
+        true = [(a * (c + s / (10 * w)), -a * s / w) for a, c, s in waves]
+        off = [(mpf(x) ** 2 + mpf(v) ** 2 - a * a - b * b) / 2 for (x, v), (a, b) in zip(path, true, strict=True)]
+        apart = [math.hypot(x - a, v - b) for (x, v), (a, b) in zip(path, true, strict=True)]
     found = answered.found
+    assert found["largest_error"] == pytest.approx(max(apart), rel=1e-9)
+    assert found["largest_error"] > 1.05 * found["state_error"]
     assert found["energy_error"] == pytest.approx(float(off[-1]), rel=1e-9)
     assert found["largest_energy_error"] == pytest.approx(float(max(off, key=abs)), rel=1e-9)
     assert abs(found["largest_energy_error"]) > 1.5 * abs(found["energy_error"])
@@ -424,6 +445,8 @@ KINKED = {
     "doses as code": ({"function": infusion, "start": [0], "end": 36, "parameters": {"rate": 0.3}},
                       dosed(0.3, Decimal("0.25"))),
     "modulus of the time": ({"rates": ["abs(t - 1/3)"], "start": [0], "end": 1}, [Decimal(5) / 18]),
+    "stiff, with a kink at sqrt(2)": ({"rates": ["-1000000*(y0 - max(0, t^2 - 2))"], "start": [1], "end": 3},
+                                      ["6.999994000002"]),
     "friction as text": ({"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}, slid("0.2")),
     "friction as code": ({"function": lambda t, y: [y[1], -y[0] - 0.2 * np.sign(y[1])], "start": [1, 0.25],
                           "end": "3/2"}, slid(0.2)),
@@ -434,7 +457,6 @@ KINKED = {
 def test_a_problem_with_kinks_and_jumps_is_enclosed_as_its_closed_form_says(name):
     given, wanted = KINKED[name]
     problem = problem_given(given)
-    assert problem.matrix is None
     for found, true in exactly(len(wanted), zip(problem.reference.states[-1], wanted, strict=True)):
         assert abs(Decimal(found) - Decimal(str(true))) < Decimal("1e-19"), name
 

@@ -180,6 +180,7 @@ def test_energies_that_every_step_conserves_are_fractions_however_long_the_state
     run = OscillatorRun("implicit_midpoint", Q(1, 100), Q(100), (Q(1, 3), Q(1)))  # type: ignore[arg-type]
     assert not run.has_short_fractions
     assert (run.energy, run.energy_change) == (Q(5, 9), 0)
+    assert callable(OscillatorRun(SYMPLECTIC, Q(1, 100), Q(100)).energy), "of determinant 1, but no rotation"
 
 
 def test_a_start_is_read_exactly_or_refused() -> None:

@@ -42,6 +42,9 @@ def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that the answer depends on h, for long and short steps and for nearly equal ones."""
     taken = _Taken(steady_runner(subject))
     if all(taken.alike(h, TYPICAL_STEP) for h in (taken.shortest, 2.0**-10, 1.0, _LONGEST)):
+        away = [taken.runner.trial(*taken.runner.scaled((_SPEEDS[0], _SPEEDS[0])), h) for h in (TYPICAL_STEP, 1.0)]
+        if all(trial.finite for trial in away) and not same(away[0].answer, away[1].answer):
+            return (CheckResult(STEP_SIZE, None, "from q = 0 no step moves, as from a rest of its own system"),)
         return (_ignored(taken),)
     capped = _capped(taken)
     found = [rule for rule in (_raised(taken), capped or _in_whole_steps(taken)) if rule]

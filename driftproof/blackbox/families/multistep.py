@@ -125,8 +125,8 @@ class MultistepReading(WithEstimate):
 
     recurrence: recurrences.RecurrenceReading
     start: StartReading | None
-    handed: bool = False
-    first_across: Across | None = None
+    handed: bool
+    first_across: Across | None
     estimate: StepFinding | None = None
 
     @property

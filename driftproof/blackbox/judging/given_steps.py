@@ -27,6 +27,7 @@ from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.starts import Start
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
@@ -41,6 +42,8 @@ _SETTLED = 2.0**-44
 # How many sizes of states, and of steps, are tried from the ordinary ones to the largest of the domain, in equal
 # ratios; and the size of small states, where one with a smallest speed, or one above 0, shows.
 _FARTHER, SMALL = 4, 2.0**-10
+# A force that depends on a velocity shows it in one that is larger by this part, which a start hardly leaves.
+_FASTER = 2.0**-6
 _LEAST = 2.0**-1022  # the smallest normal double: what is allowed may be 0
 # The velocities with which forces that depend on them are usually asked: the first is tried first.
 BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
@@ -117,14 +120,14 @@ class GivenSteps(OwnSteps):
     def pushed(self) -> bool:
         """True if forces depend on velocities, or velocities on positions: a splitting does not say which."""
         q, v = self.halves
-        twice = [1.0 + (i in range(self.size)[v]) for i in range(self.size)]
+        faster = [1.0 + _FASTER * (i in range(self.size)[v]) for i in range(self.size)]
         with suppress(ArithmeticError):
             for y in self.states:
-                here, faster, farther = (
+                here, pushed, moved = (
                     self.rates(0.0, [x * by for x, by in zip(y, way, strict=True)])
-                    for way in ([1.0] * self.size, twice, [3.0 - by for by in twice])
+                    for way in ([1.0] * self.size, faster, [2.0 + _FASTER - by for by in faster])
                 )
-                if here[v] != faster[v] or here[q] != farther[q]:
+                if here[v] != pushed[v] or here[q] != moved[q]:
                     return True
         return False
 
@@ -261,7 +264,8 @@ class GivenSteps(OwnSteps):
         at = f" at t = {t:g}" * bool(t)
         wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
         by_time = np.abs(np.subtract(self.later(h).step(method, t, y, h), told)) / np.maximum(allowed, _LEAST)
-        return Beside(seen, told, self.apart(y, seen, told), wrong * (not right), right and not within, by_time.max())
+        apart = self.apart(np.maximum(np.abs(y), np.abs(told)).tolist(), seen, told)
+        return Beside(seen, told, apart, wrong * (not right), right and not within, by_time.max())
 
     def _whole_turns(self, t: float, one: Beside) -> bool:
         """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
@@ -281,7 +285,8 @@ class GivenSteps(OwnSteps):
         found, bent, why = list[Beside](), 0.0, ""
         # Besides the states at which the system was seen, as many near them, so that none fits by chance.
         near = [tuple(x * (1 + cos(7 + 3 * k) / 4) for k, x in enumerate(y)) for y in self.states]
-        for t, share, y in product(self.times, COMPARED, [*self.states, *near]):
+        start, refused = wanted.domain.begins, list[str]()
+        for t, share, y in product(self.times, COMPARED, [*self.states, *([] if start else near)]):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
                 found.append(one := self.beside(wanted, t, y, h))
@@ -290,8 +295,12 @@ class GivenSteps(OwnSteps):
                 bent = max(bent, h * self.apart(y, self.rates(t, y), self.rates(t + h, one.told)))
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
+                refused.append(why)
         if bent < SEEN_BENT:
-            raise MethodError(why or "in a step of it slopes hardly change")
+            longest = wanted.domain.largest_step
+            words = f"; write --largest-step {self.unit:g}, in Python domain=Domain({self.unit:g})"
+            longer = words * (longest < self.unit and bent * self.unit >= SEEN_BENT * longest)
+            raise MethodError(why or f"in a step of it slopes hardly change{longer}")
         splits = isinstance(of_one_state(wanted.method), Splitting)
         pushed = ""
         if isinstance(method := of_one_state(wanted.method), Splitting) and self.pushed:
@@ -300,7 +309,15 @@ class GivenSteps(OwnSteps):
         digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
         turns = ", with velocities between positions" * (splits and self.halves != super().halves)
         rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
-        return StepFinding(True, f"is {wanted.method.key} on the system given{about}{turns}{pushed}, {digits}{rough}")
+        told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}, {digits}{rough}"
+        return StepFinding(True, told + (self._within(start, refused) if start else ""))
+
+    def _within(self, start: Start, refused: Sequence[str]) -> str:
+        """The states of a start from which steps are compared, and what is not seen of these, in words."""
+        unseen = len(start.states) - len(self.states)
+        told = f", from states in {start.words}"
+        told += f"; the system given has no slopes at {unseen} of {len(start.states)} states there" if unseen else ""
+        return told + (f"; {counted(len(refused), 'step')} cannot be compared: {refused[0]}" if refused else "")
 
     def longer(self, wanted: Specification) -> list[float]:
         """Step sizes from the system's own time to the largest of the domain, in equal ratios; none if that is less."""
@@ -310,9 +327,10 @@ class GivenSteps(OwnSteps):
     def _elsewhere(self, wanted: Specification) -> Iterator[tuple[float, Sequence[float], float]]:
         """Yield steps (t, y, h) from small and from larger states, and longer ones, up to the largest of the domain."""
         far, longest, h = wanted.domain.largest_state, wanted.domain.largest_step, self.unit * COMPARED[0]
-        for t, y in product(self.times, self.states):
+        start = wanted.domain.begins
+        for t, y in product(self.times, start.corners if start else self.states):
             ratio = max(1.0, far / max(map(abs, y)))
-            for by in (SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
+            for by in (1.0,) if start else (SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
                 yield t, [self.number(x * by) for x in y], min(h, longest)
             for longer in self.longer(wanted):
                 yield t, y, longer

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 
+from driftproof.blackbox.stepper.starts import Start
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.rationals import parse_rational
 
@@ -51,6 +52,11 @@ class Domain:
     number. Where the largest size is not above the smallest by default, that is so many times smaller than the largest.
     Raises ValueError unless 0 <= smallest < largest < inf.
 
+    Where a code raises outside of what it is for, `start` says where a step with a system given may be asked: it has a
+    number, or a range of it, for each number of a state, "280:400", or "7e6, -1e5:1e5, 0; 0, 7500, 0" for two arrays;
+    commas part the numbers of an array, semicolons the parts of a state. A number stands for those around it, up to an
+    eighth of it; a 0, up to an eighth of the smallest other of its part. No other states are tried then.
+
     >>> from driftproof import Domain, verify
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
     >>> verify(step, "forward_euler", domain=Domain(largest_step=0.5), examples=50, isolate=False).passed
@@ -61,6 +67,7 @@ class Domain:
     largest_state: float = 1000.0
     smallest_step: float = 2.0**-20
     smallest_state: float = 2.0**-60
+    start: Start | str | None = None
 
     def __post_init__(self) -> None:
         """Put smallest sizes by default below the largest. Raises ValueError unless 0 <= smallest < largest < inf."""
@@ -69,6 +76,13 @@ class Domain:
                 object.__setattr__(self, what, low := low * high)
             if not 0 <= low < high < inf:
                 raise ValueError(f"from {low:g} to {high:g}: need 0 <= smallest < largest < infinity")
+        if isinstance(self.start, str):
+            object.__setattr__(self, "start", Start.of(self.start))
+
+    @property
+    def begins(self) -> Start | None:
+        """The start that is given, read."""
+        return None if isinstance(self.start, str) else self.start
 
     @property
     def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:

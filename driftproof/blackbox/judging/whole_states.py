@@ -36,6 +36,8 @@ def seen_at(
     subject: ForeignStepper, domain: Domain, size: int | None = None
 ) -> tuple[ForeignStepper, list[tuple[float, ...]]]:
     """The stepper as it takes all numbers of its built-in system, or `size` of them, and states at which it is seen."""
+    if domain.begins:
+        return subject, domain.begins.states
     (*_, (q, v)), _ = ordinary_arguments(subject, domain)
     begun = [*chain(*getattr(subject.function, "begun", ()))]
     if begun[2:]:  # of an object with further numbers

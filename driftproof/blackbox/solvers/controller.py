@@ -93,47 +93,63 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law can be observed")
     if len(factors) > 1 and is_close(max(factors), min(factors)):
-        fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the previous one"
-        if is_close(factors[0], 1.0):
-            if not subject.adaptive:
-                return ControllerReading(None, (_NO_TOLERANCE,), traces)
-            fault = "all steps have the same size, whatever the error"
-        return ControllerReading(None, (fault,), (fault, *traces))
+        return _of_one_factor(factors[0], subject.adaptive, traces)
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to determine a law")
     estimates = list(_estimates(steps.pairs or [pair for pair in steps.other_pairs if not _is_silent(pair)]))
-    most = max(each.rejections for each in attempts)
-    in_a_row = f", up to {most} in a row" * (most > 1)
-    rejected = sum(not each.accepted for each in attempts)
-    counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
     points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
     laws = filter(None, (fitted_law(each.name, list(points(each))) for each in estimates))
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
-        pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
-        seen = f"no law in the estimate of {pairs} gives the step sizes"
-        few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
-        if 1 < len(few) <= _FEW:
-            seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
-        another = settled = unsettled = ""
-        if pair := min(steps.pairs, key=power_of_estimate, default=None):
-            another = of_another_estimate(subject, pair)
-            settled, unsettled = ("", "") if another else settled_steps(subject, steps, pair)
-        lines = tuple(filter(None, [seen, settled, another * (held is None)]))
-        faults = tuple(filter(None, [another * (held is not None), unsettled * (len(few) > _FEW)]))
-        hint = "nor do they settle where that depends on h alone; verify one step that returns its estimate"
-        unseen = f"{seen}, {hint}" if held and steps.pairs and not settled else ""
-        faults = traces or faults or tuple(_of_low_order(subject, steps))
-        return ControllerReading(None, (*lines, counts), faults, unseen=unseen)
+        found = _without_law(subject, steps, factors, held)
+        return replace(found, lines=(*found.lines, _counted(attempts)), faults=traces or found.faults)
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
-    lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
+    of_what = f"r is the estimate of {law.estimate} over the tolerance"
+    lines = (f"measured: {law.words}", of_what, *after, _counted(attempts))
     used = next(each for each in estimates if each.name == law.estimate)
     others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, atol, slope))
     wrong, another = _another_exponent(law, used.order)
     remarks = tuple(filter(None, (another, _other_row(used.pair.key, steps))))
     return ControllerReading(law, lines, (*filter(None, [wrong]), *(traces or others)), remarks)
+
+
+def _of_one_factor(factor: float, adaptive: bool, traces: tuple[str, ...]) -> ControllerReading:
+    """The reading of a solver whose steps grow by one factor: a fault, but for equal ones without a tolerance."""
+    if is_close(factor, 1.0) and not adaptive:
+        return ControllerReading(None, (_NO_TOLERANCE,), traces)
+    grown = f"the step size does not depend on the error: every step is {factor:.6g} times the previous one"
+    fault = "all steps have the same size, whatever the error" if is_close(factor, 1.0) else grown
+    return ControllerReading(None, (fault,), (fault, *traces))
+
+
+def _counted(attempts: Sequence[Attempt]) -> str:
+    """How many steps were attempted and rejected, in words."""
+    most = max(each.rejections for each in attempts)
+    rejected = sum(not each.accepted for each in attempts)
+    in_a_row = f", up to {most} in a row" * (most > 1)
+    return f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
+
+
+def _without_law(
+    subject: ForeignSolver, steps: SolverSteps, factors: Sequence[float], held: RungeKutta | None
+) -> ControllerReading:
+    """What is seen of step sizes that no law gives: whether they settle, and another estimate that they follow."""
+    pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
+    seen = f"no law in the estimate of {pairs} gives the step sizes"
+    few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
+    if 1 < len(few) <= _FEW:
+        seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
+    another = settled = unsettled = ""
+    if pair := min(steps.pairs, key=power_of_estimate, default=None):
+        another = of_another_estimate(subject, pair)
+        settled, unsettled = ("", "") if another else settled_steps(subject, steps, pair)
+    lines = tuple(filter(None, [seen, settled, another * (held is None)]))
+    faults = tuple(filter(None, [another * (held is not None), unsettled * (len(few) > _FEW)]))
+    hint = "nor do they settle where that depends on h alone; verify one step that returns its estimate"
+    unseen = f"{seen}, {hint}" if held and steps.pairs and not settled else ""
+    return ControllerReading(None, lines, faults or tuple(_of_low_order(subject, steps)), unseen=unseen)
 
 
 def _other_row(key: str, steps: SolverSteps) -> str:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import NotANumber, NothingReturned, StepRaised, WrongShape
+from driftproof.blackbox.findings import NotANumber, NothingReturned, StepRaised, UnlikeParts, WrongShape
 from driftproof.support.plain_text import counted
 
 # A float, or a number of the arithmetic that an adapter is for.
@@ -64,6 +64,8 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
         if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
             array = array.astype(float)  # fractions, decimals, numbers of mpmath
     except Exception as error:  # foreign array types may raise anything
+        if isinstance(plain, list | tuple) and all(isinstance(x, np.ndarray | float) for x in plain):
+            raise UnlikeParts(f"it returns parts of {', '.join(str(np.size(x)) for x in plain)} numbers") from None
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
     if array.dtype.kind == "c" and not array.imag.any():
         array = array.real

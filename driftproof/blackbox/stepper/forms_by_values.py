@@ -83,7 +83,7 @@ class Numbers:
         >>> Numbers.of(lambda m, p, dt: (m - dt * p, p + dt * m)).names
         ('m', 'p')
         """
-        known, size, times = _names_of(step)
+        known, size, times = state_names_of(step)
         if not size:
             return None
         no_state = calling.matrices(known) or calling.launch(known)
@@ -153,7 +153,7 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
     What it takes besides, as a control, is 1. Where the array is complex, y holds its real parts, then the others.
     """
-    known, size, times = _names_of(step)
+    known, size, times = state_names_of(step)
     if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
         return
     found = Numbers(step, known[:1], dict.fromkeys(known[1:], 1.0), size, times, whole=True)
@@ -190,7 +190,7 @@ def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvent
     return replace(numbers, step=step).form if states < {*numbers.names} else None
 
 
-def _names_of(step: Callable[..., Any]) -> tuple[tuple[str, ...], str, tuple[str, ...]]:
+def state_names_of(step: Callable[..., Any]) -> tuple[tuple[str, ...], str, tuple[str, ...]]:
     """The names of a step's arguments besides the step size and the times, then these; T beside dt is a state."""
     names = calling.names_with_step(step) or []
     times = tuple(each for each in names if each != "T" and calling.role_of(each, (calling.TIME,)))

@@ -140,6 +140,7 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
             first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
             put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
             force = f"lambda p, *rest: {put(f'force(p{first})')}"
+            whole = whole or f"0 * made.{now} + " * isinstance(kept[now], np.ndarray)  # of one number, with a copy()
             start = ", ".join(force if each == function else "0.0" for each in names)
             begin = f"made = {name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}"
             push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")

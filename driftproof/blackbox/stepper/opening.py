@@ -6,8 +6,8 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import chain, product
 from typing import Any
 
@@ -33,6 +33,7 @@ from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
+from driftproof.blackbox.stepper.starts import AS_PARTS, Start
 from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
     LONGER,
@@ -70,85 +71,139 @@ def opened(
     calling convention fits, and OwnClock. If no adapter gets an answer, raises StaleSlope if there was one, else the
     `Misbehaviour` of the most natural adapter.
     """
-    own = with_own_jacobian(step) if calls == calling.FIELD else step
-    given, step, failures = step, with_slopes_kept(own), list[findings.Misbehaviour]()
+    return _Opening(step, calls, array, before, after, keeps).subject()
 
-    def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
+
+@dataclass
+class _Opening:
+    """The readings of one stepper, tried from the most natural one on, and why each that failed did."""
+
+    given: Callable[..., Any]
+    calls: str | None
+    array: Callable[[Any], Any] | None
+    before: Callable[[str], None]
+    after: Callable[[], None]
+    keeps: bool
+    failures: list[findings.Misbehaviour] = field(default_factory=list)
+
+    @cached_property
+    def step(self) -> Callable[..., Any]:
+        """The stepper itself, given the slopes and the Jacobian that it asks for."""
+        own = with_own_jacobian(self.given) if self.calls == calling.FIELD else self.given
+        return with_slopes_kept(own)
+
+    def subject(self) -> ForeignStepper:
+        """The stepper as the first reading has it in which it answers and moves its state."""
+        try:
+            conventions = calling.conventions_of(self.step, self.calls)
+        except ValueError as error:
+            return self._without_convention(error)
+        if calling.MASSES[-1] in (calling.required_names(self.step) or ()) and (found := self._as_plain()):
+            return found  # with unequal masses, before one of all
+        found = self._first_of(self._trials(conventions))
+        doubtful = self.calls in (None, calling.MAP) and self.array is None
+        doubtful &= not found or found.convention.kind == calling.MAP
+        if doubtful and (form := form_of_more_numbers(self.step, conventions[0])):
+            return opened(form, None, None, self.before, self.after)
+        if found and not _stands_still(found):
+            return (self._as_plain() if _of_many(found) else None) or found
+        if found := self._as_system(conventions, found) or found:
+            return found
+        if inspect.isclass(self.step):
+            self._refuse_class()
+        return self._last_resort()
+
+    def _first_of(self, attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
+        """What the first attempt gives that does not fail."""
         for attempt in attempts:
             try:
                 return attempt()
             except (findings.OwnClock, findings.ArgumentsExchanged):
                 raise
             except findings.Misbehaviour as failure:
-                failures.append(failure)
+                self.failures.append(failure)
             except findings.BadInput as refused:  # of a form, which another one may fit
-                failures.append(findings.WrongShape(str(refused)))
+                self.failures.append(findings.WrongShape(str(refused)))
         return None
 
-    def as_plain() -> ForeignStepper | None:
-        forms = chain(plain_forms(step), record_forms(step)) if calls is None else ()
-        return first_of(partial(opened, form, None, array, before, after) for form in forms)
-
-    def as_named() -> ForeignStepper | None:
-        return first_of(partial(_read_by_values, form, calls, array, before, after) for form in named_forms(step))
-
-    try:
-        conventions = calling.conventions_of(step, calls)
-    except ValueError as error:
-        if found := as_plain() or as_named():
-            return found
-        if stale := [failure for failure in failures if isinstance(failure, findings.StaleSlope)]:
-            raise stale[0] from None
-        line = _tried_out(wrappers.wrapper_line(given, keeps), given)
-        if calls is not None:
-            raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
-        raise findings.BadInput(f"{_unfitting(given)}{line or wrappers.template(given)}") from None
-    if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
-        return found  # with unequal masses, before one of all
-    made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
-    trials = (
-        partial(tried, made(convention, adapter, single=trial in (one_number_step, ONE_WITH_DERIVATIVE)), trial)
-        for convention in conventions
-        for adapters in _adapters(step, convention, array)
-        for trial, adapter in product(TRIALS.get(convention.kind, (one_step,)), adapters)
-    )
-    found = first_of(trials)
-    doubtful = calls in (None, calling.MAP) and array is None
-    doubtful &= not found or found.convention.kind == calling.MAP
-    if doubtful and (form := form_of_more_numbers(step, conventions[0])):
-        return opened(form, None, None, before, after)
-    if found and not _stands_still(found):
-        alone = (
-            found.convention.run if found.single else {*found.convention.extra} & {*calling.MASSES} and drifts(found)
+    def _made(self, convention: calling.CallingConvention, adapter: ArrayAdapter, **more: Any) -> ForeignStepper:
+        return ForeignStepper(
+            self.step, convention, adapter, before=self.before, after=self.after, pristine=self._pristine, **more
         )
-        return (as_plain() if alone else None) or found  # of n numbers, or of bodies that attract each other
-    # Of three numbers, or of a grid.
-    lacking = (
-        found
-        or isinstance(failures[0], findings.WrongShape)
-        or isinstance(failures[0].__cause__, ValueError | IndexError)
-    )
-    states = (each for each in conventions if lacking and each.kind == calling.MAP and calling.STATE in each.order)
-    systems = first_of(partial(tried, made(*each), one_step) for each in product(states, SYSTEMS))
-    if systems and systems.adapter is SYSTEMS[0] and _moves_one(systems):  # as the cell between those at the borders
-        systems = first_of([partial(tried, made(systems.convention, SYSTEMS[1]), one_step)]) or systems
-    if found := systems if systems and not _stands_still(systems) else found:
-        return found
-    line = _tried_out(wrappers.wrapper_line(step, keeps), step) if inspect.isclass(step) else ""
-    if inspect.isclass(step) and isinstance(failures[0], findings.NotANumber):  # its call makes an object
-        line = line or wrappers.template(given)
-    if line:
-        raise findings.BadInput(f"{_unfitting(given)}{line}")
-    if not any(isinstance(failure, findings.StaleSlope) for failure in failures) and (found := as_plain()):
-        return found
-    why = next((failure for failure in failures if isinstance(failure, findings.StaleSlope)), failures[0])
-    asked = why.__cause__
-    if isinstance(asked, findings.BadInput):
-        raise asked
-    if isinstance(asked, AttributeError) and isinstance(asked.obj, np.ndarray | list | tuple | float):
-        theirs = f"asks what it is given for .{asked.name}, and what else that holds is not known; write"
-        raise findings.BadInput(f"{calling.signature_text(given)} {theirs}{wrappers.OWN_STEP} that makes it") from asked
-    raise why
+
+    @cached_property
+    def _pristine(self) -> Any:
+        return fresh_copy(self.step)
+
+    def _trials(self, conventions: Iterable[calling.CallingConvention]) -> Iterator[Callable[[], ForeignStepper]]:
+        """The stepper in each convention and with each form of a state, tried by a step."""
+        for convention in conventions:
+            for adapters in _adapters(self.step, convention, self.array):
+                for trial, adapter in product(TRIALS.get(convention.kind, (one_step,)), adapters):
+                    single = trial in (one_number_step, ONE_WITH_DERIVATIVE)
+                    yield partial(tried, self._made(convention, adapter, single=single), trial)
+
+    def _as_plain(self) -> ForeignStepper | None:
+        """The stepper as a form of numbers one by one, of lists or of records, if nothing says how it is called."""
+        forms = chain(plain_forms(self.step), record_forms(self.step)) if self.calls is None else ()
+        options = None, self.array, self.before, self.after
+        return self._first_of(partial(opened, form, *options) for form in forms)
+
+    def _as_named(self) -> ForeignStepper | None:
+        """The stepper with one name of its own, which its values must bear out."""
+        options = self.calls, self.array, self.before, self.after
+        return self._first_of(partial(_read_by_values, form, *options) for form in named_forms(self.step))
+
+    def _without_convention(self, error: ValueError) -> ForeignStepper:
+        """The stepper whose names fit no calling convention; raises what is to be written where no form fits."""
+        if found := self._as_plain() or self._as_named():
+            return found
+        for stale in self._stale:
+            raise stale from None
+        line = _tried_out(wrappers.wrapper_line(self.given, self.keeps), self.given)
+        if self.calls is not None:
+            raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
+        raise findings.BadInput(f"{_unfitting(self.given)}{line or wrappers.template(self.given)}") from None
+
+    @property
+    def _stale(self) -> list[findings.Misbehaviour]:
+        return [failure for failure in self.failures if isinstance(failure, findings.StaleSlope)]
+
+    def _as_system(
+        self, conventions: Iterable[calling.CallingConvention], found: ForeignStepper | None
+    ) -> ForeignStepper | None:
+        """The stepper of three numbers, or of a grid, whose system is built in, if two numbers do not move or fit."""
+        first = self.failures[0] if self.failures else None
+        lacking = found or isinstance(first, findings.WrongShape)
+        if not lacking and not isinstance(first and first.__cause__, ValueError | IndexError):
+            return None
+        states = (each for each in conventions if each.kind == calling.MAP and calling.STATE in each.order)
+        read = self._first_of(partial(tried, self._made(*each), one_step) for each in product(states, SYSTEMS))
+        if read and read.adapter is SYSTEMS[0] and _moves_one(read):  # as the cell between those at the borders
+            read = self._first_of([partial(tried, self._made(read.convention, SYSTEMS[1]), one_step)]) or read
+        return read if read and not _stands_still(read) else None
+
+    def _refuse_class(self) -> None:
+        """Raises BadInput with the wrapper that a class needs, if one is known."""
+        line = _tried_out(wrappers.wrapper_line(self.step, self.keeps), self.step)
+        if isinstance(self.failures[0], findings.NotANumber):  # its call makes an object
+            line = line or wrappers.template(self.given)
+        if line:
+            raise findings.BadInput(f"{_unfitting(self.given)}{line}")
+
+    def _last_resort(self) -> ForeignStepper:
+        """The stepper as a plain form, unless a slope was stale; raises why its most natural reading failed."""
+        if not self._stale and (found := self._as_plain()):
+            return found
+        why = [*self._stale, *self.failures][0]
+        asked = why.__cause__
+        if isinstance(asked, findings.BadInput):
+            raise asked
+        if isinstance(asked, AttributeError) and isinstance(asked.obj, np.ndarray | list | tuple | float):
+            theirs = f"asks what it is given for .{asked.name}, and what else that holds is not known; write"
+            made = f"{calling.signature_text(self.given)} {theirs}{wrappers.OWN_STEP} that makes it"
+            raise findings.BadInput(made) from asked
+        raise why
 
 
 def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
@@ -168,6 +223,12 @@ def _stands_still(subject: ForeignStepper) -> bool:
     given = subject.convention
     still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
     return still and given.kind == calling.MAP and calling.STATE in given.order
+
+
+def _of_many(subject: ForeignStepper) -> bool:
+    """True if it may be a step of n numbers, read by one, or of bodies that attract each other, read as one body."""
+    convention = subject.convention
+    return convention.run if subject.single else bool({*convention.extra} & {*calling.MASSES}) and drifts(subject)
 
 
 def _moves_one(subject: ForeignStepper) -> bool:
@@ -199,34 +260,34 @@ def _tried_out(line: str, step: Callable[..., Any]) -> str:
         exec(compile(text, "<wrapper>", "exec"), known := scope_of(step))
         kind = calling.conventions_of(known["wrapped"])[0].kind
         subject = opened(known["wrapped"], kind)
-        state = TRIAL_STATE[: 2 - subject.single] if kind == calling.FIELD else TRIAL_STATE[1:]
-        steps = LONGER if subject.convention.run else 1
-        subject = replace(subject, convention=subject.convention.of_steps(steps))
-        with suppress(findings.UnsupportedCall):  # which the trial steps have not moved
-            subject = subject.fresh(steps)
-        if kind == calling.FIELD:
-            ends = [subject.step_field(rate, 1.0, state, TINY) for rate in (lambda t, y: [1.0 for _ in y], zeros)]
-        elif kind == calling.FORCE:
-            ends = [
-                [*subject.step_with(push, *TRIAL_STATE, TINY)] for push in (lambda q: 1.0 + 0.0 * q, lambda q: 0.0 * q)
-            ]
-        else:
-            return line
+        seen = _misled(subject) if kind in (calling.FIELD, calling.FORCE) else ""
     except (findings.StaleSlope, findings.OwnClock, findings.Exchanged, findings.Increment):
         return line
     except Exception as failure:
         if isinstance(failure, NameError) or "NameError" in str(failure):
             return line
         seen = " ".join(str((isinstance(failure, findings.BadInput) and failure.__cause__) or failure).split())
+    return f"{wrappers.OWN_STEP} that calls it; tried: {text}: {seen}" if seen else line
+
+
+def _misled(subject: ForeignStepper) -> str:
+    """What a short step of y' = 1 or q'' = 1 does that no step does which is called as it should be; "" if nothing."""
+    steps = LONGER if subject.convention.run else 1
+    subject = replace(subject, convention=subject.convention.of_steps(steps))
+    with suppress(findings.UnsupportedCall):  # which the trial steps have not moved
+        subject = subject.fresh(steps)
+    if subject.convention.kind == calling.FIELD:
+        start = TRIAL_STATE[: 2 - subject.single]
+        end, still = (subject.step_field(rate, 1.0, start, TINY) for rate in (lambda t, y: [1.0 for _ in y], zeros))
     else:
-        end = ends[0][-len(state) :]
-        moved = [abs(x - y) / TINY / steps for x, y in zip(end, state, strict=True)]
-        # A step that stays where nothing moves, and is moved, is called as it should be, whatever its faults.
-        called = np.allclose(ends[1][-len(state) :], state, rtol=0, atol=NEAR) and ends[0] != ends[1]
-        if max(moved) < _WITHIN and (called or min(moved) > 1 / _WITHIN):
-            return line
-        seen = f"a step of {TINY:g} where y' = 1 goes from {list(state)} to {list(end)}"
-    return f"{wrappers.OWN_STEP} that calls it; tried: {text}: {seen}"
+        pushes = (lambda q: 1.0 + 0.0 * q, lambda q: 0.0 * q)
+        start, (end, still) = TRIAL_STATE[1:], ([*subject.step_with(push, *TRIAL_STATE, TINY)] for push in pushes)
+    speeds = [abs(x - y) / TINY / steps for x, y in zip(end[-len(start) :], start, strict=True)]
+    # A step that stays where nothing moves, and is moved, is called as it should be, whatever its faults.
+    called = np.allclose(still[-len(start) :], start, rtol=0, atol=NEAR) and end != still
+    if max(speeds) < _WITHIN and (called or min(speeds) > 1 / _WITHIN):
+        return ""
+    return f"a step of {TINY:g} where y' = 1 goes from {list(start)} to {list(end[-len(start) :])}"
 
 
 def _unfitting(step: Callable[..., Any]) -> str:
@@ -251,7 +312,7 @@ class Target:
     """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed.
 
     Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
-    object makes each step.
+    object makes each step. A `start` says which states it takes.
     """
 
     step: Callable[..., Any] | str
@@ -259,6 +320,7 @@ class Target:
     array: Callable[[Any], Any] | str | None = None
     keeps: bool = False
     anew: bool = False
+    start: Start | None = None
 
     @property
     def name(self) -> str:
@@ -282,6 +344,8 @@ class Target:
         An answer that is there, but not understood, is no fault of the stepper, and raises BadInput.
         """
         array, step = None if self.array is None else imported(self.array), imported(self.step)
+        if self.start:
+            return self.start.opened(step, before, after)
         own = fresh_copy(step) if inspect.ismethod(step) else None
         try:
             subject = opened(own or step, self.calls, array, before, after, self.keeps)
@@ -289,10 +353,10 @@ class Target:
         except (findings.NothingReturned, findings.AskedAtNoState, findings.WrongAnswer):
             raise
         except (findings.WrongShape, findings.NotANumber) as unread:
-            line = ""
+            line = f"; if these are its state, say so: {AS_PARTS}" * isinstance(unread, findings.UnlikeParts)
             with suppress(ValueError):  # a form that is no convention by itself has no wrapper of a line
                 convention = calling.conventions_of(step, self.calls)[0]
-                line = wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))
+                line = line or wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))
             raise findings.BadInput(f"{calling.signature_text(step)} cannot be read: {unread}{line}") from unread
 
 

@@ -182,7 +182,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     ):  # a stiff state decays in longer ones
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     asks, timed = subject.log.asks, subject.log.timed
-    subject.format = _format_of_answers(subject.log)
+    subject.format = format_of_answers(subject.log)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
     subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)
     if subject.gives_velocities and not _velocity_varies(subject):
@@ -199,7 +199,8 @@ def _is_near(part: adapters.Foreign, x: float) -> bool:
     return False
 
 
-def _format_of_answers(log: CallLog) -> FloatFormat:
+def format_of_answers(log: CallLog) -> FloatFormat:
+    """The widest format of the answers in a log."""
     found = (next((x for ending, x in _FORMATS.items() if name.endswith(ending)), BINARY64) for name in log.types)
     return min(found, key=lambda x: x.u, default=BINARY64)
 
@@ -248,7 +249,7 @@ def _require_slope_at_end(subject: ForeignStepper, end: Sequence[float]) -> None
         expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
     else:
         expected = [-end[0] * convention.carried]
-    near = max(_AT_END, _ROUNDINGS * float(_format_of_answers(subject.log).u))
+    near = max(_AT_END, _ROUNDINGS * float(format_of_answers(subject.log).u))
     if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=near, atol=0):
         shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
         raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}")

@@ -109,8 +109,8 @@ class Problem:
     `energy` is an expression in y0, y1, ... or None. The exact solution conserves it, or `energy_changes` says by how
     much it has changed it, and at which time. `second_order`: the first half of y are positions, and their rates are
     exactly the second half, so that splittings and Nyström methods apply.
-    `matrix` is A if f(t, y) = A(y - c), in which case stability is proved, and else None. `expected` maps a kind of
-    method ("explicit", "a_stable", ...) to a sentence on how it should behave. `unknowns` are names for y0, y1, ...
+    `matrix` is A if f(t, y) = A(y - c) or Ay + b(t), in which case stability is proved, and else None. `expected` maps
+    a kind of method ("explicit", "a_stable", ...) to what it should do. `unknowns` are names for y0, y1, ...
     """
 
     key: str

@@ -202,6 +202,14 @@ def for_goal(curve: Curve, method: Entry, problem: Problem, goal: float) -> list
     return points
 
 
+def with_points_for(goals: Sequence[float], refined: Callable[..., Sequence[Point]], curve: Curve) -> Curve:
+    """The curve with the points that `refined`, such as `for_goal`, adds for the goals, and without those of others."""
+    curve = replace(curve, points=[point for point in curve.points if not point.between])
+    for goal in sorted(goals):
+        curve = replace(curve, points=refined(curve, goal=goal))
+    return curve
+
+
 def _with_fewest(
     points: Sequence[Point], goal: float, which: str, run: Callable[[int], Point], unit: int
 ) -> list[Point]:

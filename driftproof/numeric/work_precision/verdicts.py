@@ -17,6 +17,12 @@ class Priced(NamedTuple):
     cost: float
 
 
+def goal_text(goal: float) -> str:
+    """The error as in 1e-3 or 2.5e-8."""
+    mantissa, _, exponent = f"{goal:e}".partition("e")
+    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+
+
 def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]]:
     """For each dominated method the methods that dominate it, the one that beats most of its points first.
 

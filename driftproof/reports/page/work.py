@@ -10,11 +10,13 @@ from math import isfinite, log10
 from driftproof.methods.given_methods import method_of
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.reference_errors import STATE
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Against, Curve, Point, curve_of, lasting
+from driftproof.numeric.work_precision.verdicts import GOALS, goal_text
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import element, escaped, html_table
-from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
+from driftproof.reports.page.plot import WIDE, Plot, decades_of
 from driftproof.reports.page.stability import line_style
 from driftproof.support.plain_text import counted, short
 from driftproof.symbolic.algebra.certified import significant
@@ -27,8 +29,6 @@ REFERENCE_DIGITS = 30
 # Errors of more than this times the solution have no place in the figure: those of runs that are not stable.
 _FARTHEST = 10
 ACCELERATIONS = "calls of the acceleration"
-# Errors to be reached, as powers of ten.
-_GOALS = (-3, -6)
 
 
 def work_curves(scene: Scene) -> list[Curve]:
@@ -90,8 +90,8 @@ def work_figure(
 
 
 def _plotted(curve: Curve) -> list[tuple[Point, int]]:
-    """The points that have a place on logarithmic axes, each with its evaluations."""
-    shown = (p for p in curve.points if 0 < p.error <= _FARTHEST * p.scale and isfinite(p.error))
+    """The points of the doublings that have a place on logarithmic axes, each with its evaluations."""
+    shown = (p for p in curve.points if 0 < p.error <= _FARTHEST * p.scale and isfinite(p.error) and not p.between)
     return [(p, p.evaluations) for p in shown if p.evaluations]
 
 
@@ -102,10 +102,10 @@ def _sentence(curve: Curve) -> str:
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 
-def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}) -> str:
+def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}, goals: Sequence[float] = GOALS[:2]) -> str:
     """A row per method: the order stated and measured, the fewest evaluations for each goal, or why it has none."""
-    header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
-    rows, fewest = [], {curve.key: [_fewest_calls(curve, 10.0**goal) for goal in _GOALS] for curve in found}
+    header = ["Method", "order", "measured", *(f"calls for {goal_text(goal)}" for goal in goals)]
+    rows, fewest = [], {curve.key: [_fewest_calls(curve, goal) for goal in goals] for curve in found}
     least = [min((calls for calls in of_goal if calls), default=0) for of_goal in zip(*fewest.values(), strict=True)]
     for curve in found:
         if curve.refused:
@@ -116,7 +116,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}) -> str:
             settled = x.largest - x.least < 1 and curve.against is not Against.NOT_SETTLED
             measured = f"{f'{x.median:.3f}' if settled else 'not settled'} ({x.least:.3f} to {x.largest:.3f})"
             measured += f", {curve.verdict}" * bool(settled and curve.verdict)
-        most = max((point.steps or 0 for point in curve.points), default=0)
+        most = max(point.steps or 0 for point in curve.points)
         pairs = zip(fewest[curve.key], least, strict=True)
         cells = [f"{calls}{' *' * (calls == best)}" if calls else f"not with {most} steps" for calls, best in pairs]
         rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *cells])
@@ -132,9 +132,12 @@ def _fewest_calls(curve: Curve, goal: float) -> int:
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:
-    rows = [["Method", "steps", cost, "error"]]
+    """A row for each run, with the largest of its errors if any run was looked at on the way."""
+    on_the_way = any(point.errors and point.errors[STATE].looks > 1 for curve in found for point in curve.points)
+    rows = [["Method", "steps", cost, "error", *["largest on the way"] * on_the_way]]
     for curve in found:
         for point in curve.points:
             spent = "–" if point.evaluations is None else str(point.evaluations)
-            rows.append([curve.title, str(point.steps), spent, short(point.error) if point.errors else point.remark])
+            sizes = [short(size) for size in point.errors[STATE][: 1 + on_the_way]] if point.errors else [point.remark]
+            rows.append([curve.title, str(point.steps), spent, *sizes, *[""] * (len(rows[0]) - 3 - len(sizes))])
     return rows

@@ -9,7 +9,7 @@ from statistics import median
 from typing import TypeAlias, TypeVar
 
 from driftproof.methods.schemes import Splitting
-from driftproof.numeric.problems.problem import Digits
+from driftproof.numeric.problems.problem import Digits, Problem
 from driftproof.numeric.reference_errors import ENDS, ENERGY, STATE, floors, half_unit, told_apart
 from driftproof.numeric.work_precision.curves import (
     ABOVE,
@@ -24,7 +24,7 @@ from driftproof.numeric.work_precision.curves import (
 )
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON, has_numba
 from driftproof.numeric.work_precision.timing import ROUNDS, seconds_text
-from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators
+from driftproof.numeric.work_precision.verdicts import GOALS, Priced, dominators, goal_text
 from driftproof.reports.user_problem import KINKED, kinks_of
 from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, timing_name
@@ -61,12 +61,12 @@ def least_work(measured: Measured, goal: float, which: str, cost: str = EVALUATI
     return min(met, key=lambda each: (costs[each[0].key][each[1].setting], each[1].error), default=None)
 
 
-def _run_text(study: Study, curve: Curve, point: Point, cost: str, which: str) -> str:
+def _run_text(problem: Problem, curve: Curve, point: Point, cost: str, which: str) -> str:
     """A method with its step or tolerance, its cost, the largest errors on the way, and how often it was looked at.
 
     The error of the state on the way is not said where it is the one that was asked for.
     """
-    how, h = f"{curve.key} with tolerance {point.setting}", study.problem.t / (point.steps or 1)
+    how, h = f"{curve.key} with tolerance {point.setting}", problem.t / (point.steps or 1)
     if point.steps:
         step = h if len(str(h)) <= _LONGEST_STEP else with_digits(float(h), 6)
         how = f"{curve.key} with h = {step}, N = {point.steps}"
@@ -76,9 +76,9 @@ def _run_text(study: Study, curve: Curve, point: Point, cost: str, which: str) -
     return "; ".join([*said, f"looked at {counted(state.looks, 'time')}"])
 
 
-def _least_work_text(study: Study, measured: Measured, goal: float, which: str) -> str:
+def _least_work_text(problem: Problem, measured: Measured, goal: float, which: str) -> str:
     found = least_work(measured, goal, which)
-    return _run_text(study, *found, f"{found[1].evaluations} evaluations", which) if found else "none of these runs"
+    return _run_text(problem, *found, f"{found[1].evaluations} evaluations", which) if found else "none of these runs"
 
 
 def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
@@ -101,17 +101,17 @@ def study_text(study: Study, measured: Measured, stiff: str = "") -> str:
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in goals:
         title = f"Least work for an error at the end of at most {goal_text(goal)}, each cost by itself (* the least)"
-        told = f"By the largest error on the way: {_least_work_text(study, measured, goal, 'largest')}"
+        told = f"By the largest error on the way: {_least_work_text(problem, measured, goal, 'largest')}"
         shown = [title, table(goal_rows(measured, [*by_cost], goal)), told * (goal not in study.wanted)]
         parts.append("\n\n".join(filter(None, shown)))
     if any(_untried(curve, goal) for curve in measured.curves.values() for goal in goals):
         implicit = MOST_FOR_GOAL if study.wanted and has_numba() else MOST_IMPLICIT
         parts.append(f"Longer runs than those are not made: {MOST} steps, of implicit methods {implicit}, at most")
-    parts = [*(_wanted_text(study, measured, goal) for goal in study.wanted), stiff, *parts]
+    parts = [*(wanted_text(problem, measured, goal) for goal in study.wanted), stiff, *parts]
     return "\n\n".join([*filter(None, parts), "\n".join(_remarks(study, measured))])
 
 
-def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
+def wanted_text(problem: Problem, measured: Measured, goal: float) -> str:
     """The least work, and the least time, for an error at the end, and for one that is kept all along.
 
     A solution that comes to rest forgets at its end what a run did on the way.
@@ -122,11 +122,11 @@ def _wanted_text(study: Study, measured: Measured, goal: float) -> str:
     lines = []
     for which, where in asked.items():
         least, *timed = way if which == "largest" else end
-        work = _least_work_text(study, measured, goal, which)
+        work = _least_work_text(problem, measured, goal, which)
         lines.append(f"For an error of at most {goal_text(goal)} {where}, {work}")
         for kind, run in [(kind, run) for kind, run in zip(costs[1:], timed, strict=True) if run][:1]:
             spent = seconds_text(measured.costs(run[0], kind)[run[1].setting])
-            how = f"the same run: {spent}" if run == least else _run_text(study, *run, spent, which)
+            how = f"the same run: {spent}" if run == least else _run_text(problem, *run, spent, which)
             lines.append(f"In the least time ({_LABELS[kind]}), {how}")
     return "\n".join(lines)
 
@@ -212,12 +212,6 @@ def _untried(curve: Curve, goal: float) -> int:
     *_, last = None, *(point for point in curve.points if point.steps and not point.remark.startswith(NOT_RUN))
     missed = last and last.error > last.doubt and min(p.error for p in curve.points) > goal
     return (last.steps or 0) if last and missed else 0
-
-
-def goal_text(goal: float) -> str:
-    """The error as in 1e-3 or 2.5e-8."""
-    mantissa, _, exponent = f"{goal:e}".partition("e")
-    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
 
 
 def _least_error(curve: Curve, digits: Digits = ()) -> str:

@@ -19,7 +19,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import ENDS, Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision import integrators
-from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, for_goal, lasting, speed, with_points_for
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -248,7 +248,7 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             save()
         if measured.refined.get(one.key, []) != [*study.wanted]:
             with stage(f"errors of {one.key} near those wanted"):
-                measured.curves[one.key] = _with_points_for(study.wanted, one, measured.curves[one.key])
+                measured.curves[one.key] = with_points_for(study.wanted, one.for_goal, measured.curves[one.key])
             measured.refined[one.key] = [*study.wanted]
             save()
         progress(0, 1)
@@ -267,14 +267,6 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
             save()
     measured.curves = {one.key: measured.curves[one.key] for one in everybody}
     return measured
-
-
-def _with_points_for(goals: Sequence[float], one: _Contestant, curve: Curve) -> Curve:
-    """The curve with the points that the goals ask for, the smallest first, and without those of others."""
-    curve = replace(curve, points=[point for point in curve.points if not point.between])
-    for goal in sorted(goals):
-        curve = replace(curve, points=one.for_goal(curve, goal=goal))
-    return curve
 
 
 def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:

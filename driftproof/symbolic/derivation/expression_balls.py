@@ -57,7 +57,6 @@ _FUNCTIONS: dict[Any, Callable[..., arb]] = {
     sympy.acos: arb.acos,
     sympy.asin: arb.asin,
     sympy.atan: arb.atan,
-    sympy.atan2: arb.atan2,
     sympy.log: arb.log,
     sympy.exp: arb.exp,
     sympy.Abs: abs,

@@ -76,11 +76,12 @@ _TIMES_AS = re.compile(
     r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
     r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z)))"
 )
-# Before such a ratio without the second method, and what else than the other method is compared with there.
-_AN_ERROR = re.compile(
-    r"(?<!energy )(?<!\w of )\b(?:an?|its|whose) errors?(?: (?:is|about|some|only|roughly|nearly))* \Z"
+# Before such a ratio without the second method; steps, or errors of another kind, that it may be of instead.
+_AN_ERROR = re.compile(r"\b(?:an?|its|whose) errors?(?: (?:is|about|some|only|roughly|nearly))* \Z")
+_OF_ELSE = re.compile(
+    r"\b(?:hal[fv]\w*|doubl\w*|twice|smaller|shorter|finer|longer|coarser|larger|each|every|from|"
+    r"energy|phase|position|velocity|largest|max\w*|relative|local)\b"
 )
-_OF_STEPS = re.compile(r"\b(?:hal[fv]\w*|doubl\w*|twice|smaller|shorter|finer|longer|coarser|larger|each|every|from)\b")
 # Characters between a method and the number that it has.
 _LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
@@ -279,7 +280,7 @@ def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, .
     if found and not found["than"] and _AN_ERROR.search(flat(before)):
         both = next((x for x in (before, earlier + before) if len(names_in_order(x)) > 1), "")
         named = [methods_named(name) for name in names_in_order(both)]
-        alike = len({*SETTING["h"].findall(both)}) < 2 and not _OF_STEPS.search(both)
+        alike = len({*SETTING["h"].findall(both)}) < 2 and not _OF_ELSE.search(both)
         second = named[named[0] == first] if alike and first in named and len(named) == 2 else second
     if not found or len(first) != 1 or len(second) != 1 or first == second:
         return ()

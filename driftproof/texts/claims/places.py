@@ -228,108 +228,192 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Map
     The names of `unknowns`, in lower case, may have an index, as N_1 does; the index of any other is that of a step.
     They are the names in questions, by those in the text: v by dx too, if x' = v.
     """
-    heads = [_SHORT_NAMES.get(cell.head, cell.head) for cell in row if cell.start <= start]
-    head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
-    settings, near, sure = _settings(text, (start, end), (before, after), row, head)
-    about, of_row = head if row else before, Place.of_row
-    if leaves_quantity(head, unknowns):
-        # what is read stands above the table
-        about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
-        about = _WITH_VALUE.sub("", about)
-    said, direct = [*QUANTITY.finditer(about)], _UNKNOWN.search(before)
-    label = QUANTITY.search(next((cell.text for cell in row if cell.text), ""))  # of a row of errors, or the solution
-    told = label if label and leaves_quantity(head, unknowns) else said[-1] if said else label
-    quantity, name = told.lastgroup if told else "state" if head else None, None
-    if not (quantity or row) and _E_CHANGED.search(before):
-        quantity = "energy"
-    of_solution, of_before = not row and _SOLUTION_IS.search(before) is not None, set[str]()
-    if not (quantity or row) and _IT_IS.search(before) and not methods_named(before):
-        subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(text, start))
-        quantity = found.lastgroup if (found := QUANTITY.match(subject)) else None
-        quantity = "ratio" if not quantity and _DIVIDES.search(subject) else quantity
-        of_solution = quantity == "exact"
-        of_before = methods_named(subject) if begins_with_method(subject) else set()
-    if found := direct or _WORKED_OUT.search(before):
-        name, n = found["name"], found["n"]
-        if n and name == "k":
-            quantity, name, sure = f"k{n}", None, "h" in settings
-        else:
-            quantity = "exact" if quantity == "exact" else "state" if direct or n or sure else "calculation"
-            if f"{name}_{n}" in unknowns:
-                name = f"{name}_{n}"
-            elif n and "h" in settings:
-                settings["t"], sure = int(n) * settings["h"], True
-    elif of_column := (HEAD_OF_UNKNOWN.fullmatch(without_methods(head)) if not said else _OF_UNKNOWN.search(about)):
-        name, n = of_column["name"], said and of_column["n"]
-        if n and "h" in settings:  # of one step, which begins at 0
-            settings["t"], sure = int(n) * settings["h"], True
-    if _SOLUTION.fullmatch(head) and any(methods_named(cell.head) for cell in row):
-        quantity = "exact"
-    first = next((cell.text for cell in row if cell.text), "")
-    if SETTING["t"].fullmatch(head) and (unknown := HEAD_OF_UNKNOWN.fullmatch(first)):
-        quantity, name = "exact" if _SOLUTION.fullmatch(first) else quantity, unknown["name"]
-    if _DIVIDES.search(before) or re.search(r"\blog ?_?2 ?\(?\Z", before):
-        quantity = "ratio"
-    if more := _AFTER.match(text, end):
-        counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
-        of_energy = more["percent"] and (
-            quantity in ("energy", "relative_energy")
-            or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}energy", text[end:])
+    return _Reader(text, start, end, row, unknowns).place()
+
+
+class _Reader:
+    """The reading of one place: first what the sentence or the heads say, then what stands right beside the number."""
+
+    def __init__(self, text: str, start: int, end: int, row: Sequence[Cell], unknowns: Mapping[str, str]) -> None:
+        self.text, self.start, self.end, self.row, self.unknowns = text, start, end, row, unknowns
+        self.heads = [_SHORT_NAMES.get(cell.head, cell.head) for cell in row if cell.start <= start]
+        self.head = self.heads[-1] if self.heads else ""
+        self.label = next((cell.text for cell in row if cell.text), "")
+        self.before, self.after = sentence_around(text, start, end)
+        around = (start, end), (self.before, self.after)
+        self.settings, self.near, self.sure = _settings(text, *around, row, self.head)
+        self.about = self._about()
+        self.quantity = self._quantity_said()
+        self.name: str | None = None
+        self.of_solution, self.of_subject = False, set[str]()
+        self.compared: tuple[str, ...] = ()
+        self.of_row = Place.of_row
+
+    def place(self) -> Place:
+        """All that is named there; what is read later overrides what is said farther away."""
+        if not self.row:
+            self._read_subject()
+        self._read_unknown()
+        self._read_solution()
+        self._read_behind()
+        self._read_head()
+        self._read_comparison()
+        own = self._own_methods()
+        methods = {*self.compared} or own or self._methods_near()
+        name = self.name and (f"d{self.name[:-1]}" if self.name.endswith("'") else self.name)
+        if name:
+            name = self.unknowns.get(spelled := with_greek_spelled(name), spelled)
+        return Place(
+            frozenset(methods),
+            self.settings,
+            self.quantity,
+            name,
+            self.sure and self.quantity is not None,
+            self.near & self.settings.keys(),
+            bool(own or self.compared),
+            self.of_solution,
+            self.of_row,
+            self.compared,
         )
-        quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
-    if quantity == "part_of_energy" and OF_EACH_STEP.match(text, end) and "h" in settings:
-        settings["t"], near, sure = settings["h"], near | {"t"}, False
-    if quantity == "energy" and before.endswith("from ") and re.match(" to [-0-9]", text[end:]):  # of the start
-        settings["t"], near = Fraction(0), near | {"t"}
-    if (
-        re.fullmatch(ORDER_OF_COLUMN, head)
-        and "." in text[start:end]
-        and any(is_head_of("h", cell.head) for cell in row)
-    ):
-        quantity = "observed_order"
-    if _RELATIVE.fullmatch(head) and any("energy" in cell.head for cell in row):
-        quantity = "part_of_energy" if more and more["percent"] else "relative_energy"
-    if is_head_of("".join(SETTING_HEADS), head):
-        quantity = "chosen"
-    elif not {"e", "h"} & {*unknowns} and [cell.head_written for cell in row if cell.start <= start][-1:] in (
-        ["E"],
-        ["H"],
-    ):
-        quantity, name = "energy", None
-    if (not quantity or (row and quantity == "state")) and near & {*"hzt"} == {"z"}:
-        quantity = "stability"
-    near |= {"h"} if _SAME_STEP.search(before) and "h" in settings else set()
-    compared = () if row else methods_compared(before, after, sentence_before(text, start))
-    said_before = text[max(0, start - _NEAR) : start].rpartition("\n\n")[2]
-    pairs = PAIR.findall(said_before if not row else head if PAIR.fullmatch(head) else row[0].text or row[1].text)
-    if quantity in COMPARED and not compared and pairs:
-        settings["h"], near, of_row = Fraction(pairs[-1][1]), near | {"h"}, (1,)
-    elif quantity in {"steps", *COMPARED} and not compared and "h" not in near:
-        settings.pop("h", None)  # which of several is not said
-    own = set[str]() if row else methods_said_of(before, after) or of_before
-    if not (own or row or compared) and quantity in COMPARED and methods_named(before):
-        own = _methods_by_order(before, after, before)
-    elif not (own or row or compared) and quantity in COMPARED and not methods_named(after):
-        heads_above = re.findall(r"(?:\A|\n\n|\n(?!\|).*\n)(\|.*)", text[max(0, start - _FARTHEST) : start])
-        own = _methods_by_order(before, after, sentence_before(text, start), *heads_above[-1:])
-    methods = own or next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
-    labels = [_SHORT_NAMES.get(cell.text, cell.text) for cell in row]
-    methods = methods or next((named for label in labels if (named := methods_named(label))), set())
-    by = re.match(
-        rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", UNIT_BEHIND.sub("", text[end : end + 2 * _BESIDE])
-    )
-    methods = methods or (methods_named(by[1]) if by else set())
-    if not methods and not _is_labelled(text, start, row):  # by a name that is none of a method
-        methods = last_methods_named(text[max(0, start - _NEAR) : start], after)
-    if name:
-        name = f"d{name[:-1]}" if name.endswith("'") else name
-        name = unknowns.get(spelled := with_greek_spelled(name), spelled)
-    sure &= quantity is not None
-    near &= settings.keys()
-    methods = {*compared} or methods
-    return Place(
-        frozenset(methods), settings, quantity, name, sure, near, bool(own or compared), of_solution, of_row, compared
-    )
+
+    def _is_at(self, t: Fraction) -> None:
+        """Take a time that the place itself gives."""
+        self.settings["t"], self.near = t, self.near | {"t"}
+
+    def _about(self) -> str:
+        """The words that say what the number is: its head, the line above the table, or the sentence before it."""
+        if not leaves_quantity(self.head, self.unknowns):
+            return self.head if self.row else self.before
+        above = re.findall(r"^[^|\n]+$", self.text[max(0, self.start - _FARTHEST) : self.start], re.MULTILINE)
+        return _WITH_VALUE.sub("", above[-1] if above else self.head)
+
+    def _quantity_said(self) -> str | None:
+        """The quantity that the words name last, or else the label of the row; a state under any other head."""
+        said, label = [*QUANTITY.finditer(self.about)], QUANTITY.search(self.label)
+        told = label if label and leaves_quantity(self.head, self.unknowns) else said[-1] if said else label
+        return told.lastgroup if told else "state" if self.head else None
+
+    def _read_subject(self) -> None:
+        """Read what a sentence is about: an energy that changes, the solution, or "it", the subject of the last one."""
+        if not self.quantity and _E_CHANGED.search(self.before):
+            self.quantity = "energy"
+        self.of_solution = _SOLUTION_IS.search(self.before) is not None
+        if self.quantity or not _IT_IS.search(self.before) or methods_named(self.before):
+            return
+        subject = re.sub(r"\A\s*(?:the|its|whose) ", "", sentence_before(self.text, self.start))
+        found = QUANTITY.match(subject)
+        self.quantity = found.lastgroup if found else "ratio" if _DIVIDES.search(subject) else None
+        self.of_solution = self.quantity == "exact"
+        self.of_subject = methods_named(subject) if begins_with_method(subject) else set()
+
+    def _read_unknown(self) -> None:
+        """Read the name of an unknown, or of a slope k1, with the index of a step: before the number, or as a head."""
+        direct = _UNKNOWN.search(self.before)
+        said = QUANTITY.search(self.about)
+        if found := direct or _WORKED_OUT.search(self.before):
+            name, n = found["name"], found["n"]
+            if n and name == "k":
+                self.quantity, self.sure = f"k{n}", "h" in self.settings
+                return
+            exact = self.quantity == "exact"
+            self.quantity = "exact" if exact else "state" if direct or n or self.sure else "calculation"
+            if f"{name}_{n}" in self.unknowns:
+                name, n = f"{name}_{n}", None
+        elif found := (
+            _OF_UNKNOWN.search(self.about) if said else HEAD_OF_UNKNOWN.fullmatch(without_methods(self.head))
+        ):
+            name, n = found["name"], said and found["n"]
+        else:
+            return
+        self.name = name
+        if n and "h" in self.settings:  # of one step, which begins at 0
+            self.settings["t"], self.sure = int(n) * self.settings["h"], True
+
+    def _read_solution(self) -> None:
+        """Read the column of the solution beside those of methods, and the label of a row below times."""
+        if _SOLUTION.fullmatch(self.head) and any(methods_named(cell.head) for cell in self.row):
+            self.quantity = "exact"
+        if SETTING["t"].fullmatch(self.head) and (unknown := HEAD_OF_UNKNOWN.fullmatch(self.label)):
+            self.quantity = "exact" if _SOLUTION.fullmatch(self.label) else self.quantity
+            self.name = unknown["name"]
+
+    def _read_behind(self) -> None:
+        """Read what stands right before and behind the number: "divides by", %, "times as large", "steps"."""
+        if _DIVIDES.search(self.before) or re.search(r"\blog ?_?2 ?\(?\Z", self.before):
+            self.quantity = "ratio"
+        if more := _AFTER.match(self.text, self.end):
+            of_energy = more["percent"] and (
+                self.quantity in ("energy", "relative_energy")
+                or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}energy", self.text[self.end :])
+            )
+            counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
+            self.quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
+        if self.quantity == "part_of_energy" and OF_EACH_STEP.match(self.text, self.end) and "h" in self.settings:
+            self._is_at(self.settings["h"])
+            self.sure = False
+        from_to = self.before.endswith("from ") and re.match(" to [-0-9]", self.text[self.end :])
+        if self.quantity == "energy" and from_to:  # of the start
+            self._is_at(Fraction(0))
+
+    def _read_head(self) -> None:
+        """Read the heads of columns that say what their numbers are, whatever else is said: t, h, order, E, change."""
+        heads = [cell.head for cell in self.row]
+        decimal = "." in self.text[self.start : self.end]
+        if re.fullmatch(ORDER_OF_COLUMN, self.head) and decimal and any(is_head_of("h", x) for x in heads):
+            self.quantity = "observed_order"
+        if _RELATIVE.fullmatch(self.head) and any("energy" in x for x in heads):
+            percent = re.match(PERCENT, self.text[self.end :])
+            self.quantity = "part_of_energy" if percent else "relative_energy"
+        written = [cell.head_written for cell in self.row if cell.start <= self.start][-1:]
+        if is_head_of("".join(SETTING_HEADS), self.head):
+            self.quantity = "chosen"
+        elif written in (["E"], ["H"]) and not {"e", "h"} & {*self.unknowns}:
+            self.quantity, self.name = "energy", None
+        if (not self.quantity or (self.row and self.quantity == "state")) and self.near & {*"hzt"} == {"z"}:
+            self.quantity = "stability"
+
+    def _read_comparison(self) -> None:
+        """Read which errors a ratio or an order compares: of two methods, or of two step sizes as in "0.1 to 0.05"."""
+        if not self.row:
+            self.compared = methods_compared(self.before, self.after, sentence_before(self.text, self.start))
+            self.near |= {"h"} if _SAME_STEP.search(self.before) else set()
+        if self.compared or self.quantity not in {"steps", *COMPARED}:
+            return
+        said = self.text[max(0, self.start - _NEAR) : self.start].rpartition("\n\n")[2]
+        if self.row:
+            said = self.head if PAIR.fullmatch(self.head) else self.row[0].text or self.row[1].text
+        if self.quantity in COMPARED and (pairs := PAIR.findall(said)):
+            self.settings["h"], self.near, self.of_row = Fraction(pairs[-1][1]), self.near | {"h"}, (1,)
+        elif "h" not in self.near:
+            self.settings.pop("h", None)  # which of several is not said
+
+    def _own_methods(self) -> set[str]:
+        """The methods that a sentence says the number to be of, also by its place in a list of methods."""
+        if self.row:
+            return set()
+        before, after = self.before, self.after
+        own = methods_said_of(before, after) or self.of_subject
+        if own or self.compared or self.quantity not in COMPARED:
+            return own
+        if methods_named(before):
+            return _methods_by_order(before, after, before)
+        if methods_named(after):
+            return set()
+        far = self.text[max(0, self.start - _FARTHEST) : self.start]
+        heads_above = re.findall(r"(?:\A|\n\n|\n(?!\|).*\n)(\|.*)", far)
+        return _methods_by_order(before, after, sentence_before(self.text, self.start), *heads_above[-1:])
+
+    def _methods_near(self) -> set[str]:
+        """The methods of the head, the row, what follows "by" or "with", or the last ones named before."""
+        labels = (_SHORT_NAMES.get(cell.text, cell.text) for cell in self.row)
+        if named := next(filter(None, map(methods_named, (*reversed(self.heads), *labels))), None):
+            return named
+        behind = UNIT_BEHIND.sub("", self.text[self.end : self.end + 2 * _BESIDE])
+        by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", behind)
+        named = methods_named(by[1]) if by else set()
+        if named or _is_labelled(self.text, self.start, self.row):  # by a name that is none of a method
+            return named
+        return last_methods_named(self.text[max(0, self.start - _NEAR) : self.start], self.after)
 
 
 def _methods_by_order(before: str, after: str, *sources: str) -> set[str]:
@@ -379,9 +463,8 @@ def _settings(
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        behind = (
-            counts_of_steps(text[end : end + _BESIDE])[:1] if re.match(rf"(?:{PERCENT})? after ", text[end:]) else []
-        )
+        is_after = re.match(rf"(?:{PERCENT})? after ", text[end:])
+        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if is_after else []
         taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
         taken = [] if near["t"] else taken
     if taken and "h" in settings:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -15,7 +15,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.texts.claims.contradictions import methods_asked, methods_named, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
-from driftproof.texts.claims.look_alikes import BESIDE, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.look_alikes import BESIDE, LookAlike, LookAlikes, printed, without_sizes
 from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, slips, spelled
 from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
 from driftproof.texts.claims.possible_values import SHARE, SIZE, KnownValue
@@ -66,64 +66,107 @@ class Suggestions(LookAlikes):
         Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
         if number.is_worded:
-            own = self.fact_spelled(fact, form_of(number)) if (fact := self._fact_at(number)) else []
-            if fact and not own and not is_trend(number.text):  # for every h, and there is a limit
-                own = self.fact_spelled(fact, NumberForm(digits=4))
-            return {fact: opposite(number.text) or own[0]} if fact and own and number.text not in own else {}
-        found, written = dict[str, str](), self.values.written(form_of(number, self.text))
+            return self._slip_of_word(number)
         alike, digits = self.look_alikes(number), digits_told(number, self.text)
-        meant = {known.question for known in self._meant_at(number) if known.rank}
         if (done := self.calculated.get(number.start)) and not any(one.strong for one in alike):
             results = printed(done, number)
             return {done.question: results[0]} if results and digits > 1 else {}
+        meant = {known.question for known in self._meant_at(number) if known.rank}
+        right = meant | self._asked_at(number)
+        wrong = not any(one.strong or one.question in right for one in alike)
+        found = self._kept(number, self._slips_of_digits(number, alike, digits, meant)) if wrong else {}
+        return {question: slip for question, slip in found.items() if question in meant} or found
+
+    def _slip_of_word(self, word: TextNumber) -> dict[str, str]:
+        """The fact that a word gets wrong, with the right word, or the opposite of a trend."""
+        own = self.fact_spelled(fact, form_of(word)) if (fact := self._fact_at(word)) else []
+        if fact and not own and not is_trend(word.text):  # for every h, and there is a limit
+            own = self.fact_spelled(fact, NumberForm(digits=4))
+        return {fact: opposite(word.text) or own[0]} if fact and own and word.text not in own else {}
+
+    def _asked_at(self, number: TextNumber) -> set[str]:
+        """The questions of the author that may have their values here."""
         beside = self.methods_beside(number)
-        asked = {x for x in self.values.asked if not beside or not (keys := methods_asked(x)) or keys & beside}
-        asked = {x for x in asked if not self._is_of_another_cell(x, number)}
-        if not any(one.strong or one.question in meant | asked for one in alike):
-            shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
-            ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
-            first = {known.question: spelling for spelling, ones in ways for known in ones}
-            sizes = len({first[question] for question in meant & first.keys()})
-            right = any(one.question in self._stated_values for one in alike)
-            other_sign, here = next(slips(spelled(number))), self._place_of(number)
-            for slip in slips(spelled(number)):
-                for known in written.get(slip, ()):
-                    of_other = (beside and known.keys and known.keys.isdisjoint(beside)) or here.denies(known.question)
-                    of_other |= bool(known.keys) and known.keys <= self._not_meant
-                    of_other |= slip == other_sign and self._is_factor(number)  # a modulus
-                    of_other |= known.rank == 2 and self._is_of_another_cell(known.question, number)
-                    of_other |= (known.stated and here.is_of_others(known.question)) or (digits < 3 and not here.sure)
-                    if of_other or (known.rank < 2 and here.is_of_another(known.question)) or len(digits_of(slip)) < 2:
-                        continue
-                    one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
-                    if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
-                        continue  # the force at the start, which a code may need once more
-                    sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
-                    sure = (sure and not known.stated) or (digits > 5 and not right)
-                    sure |= known.question in meant and (
-                        digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
-                    )
-                    found |= {known.question: slip} if sure and known.chosen is not None else {}
-            if (fact := self._fact_at(number)) and not self.tables.row_of(number):
-                own = self.fact_spelled(fact, form_of(number))
-                if own and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0])):
-                    found |= {fact: own[0]}
-            elif fact and (of_row := first.get(fact) or next(iter(self.fact_spelled(fact, form_of(number))), "")):
-                of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
-                of_others &= of_row.lstrip("-") != spelled(number).lstrip("-")  # not the other convention
-                wrong = {fact: of_row} if of_others else self._misfit(number, {fact: of_row})
-                found |= {} if self._is_safe(number, fact, Fraction(of_row)) else wrong
-            elif not found:
-                in_cell = bool(self.tables.row_of(number)) and "." in number.text  # there 0.4300 has four digits
-                found = self._misplaced(number, first, max(digits, in_cell * len(digits_of(number.text))))
-        found = {} if found and self._column_kinds(number) - {*map(without_sizes, found)} else found
-        found = {} if self._is_of_row(number, found) or self._is_of_list(number, found) else found
-        if self._place_of(number).quantity == "percent" and not (self.tables.row_of(number) or self.says_error(number)):
+        asked = (x for x in self.values.asked if not beside or not (keys := methods_asked(x)) or keys & beside)
+        return {x for x in asked if not self._is_of_another_cell(x, number)}
+
+    def _slips_of_digits(
+        self, number: TextNumber, alike: Sequence[LookAlike], digits: int, meant: set[str]
+    ) -> dict[str, str]:
+        """The values that the number misses by a digit or two, the fact of its place, or the one value meant there."""
+        written = self.values.written(form_of(number, self.text))
+        shape = re.sub("[0-9]", "0", spelled(number))  # 2.9e-3 beside 8.1e-4, no 29e-4
+        ways = sorted(written.items(), key=lambda way: re.sub("[0-9]", "0", way[0]) == shape)
+        first = {known.question: spelling for spelling, ones in ways for known in ones}
+        right = any(one.question in self._stated_values for one in alike)
+        few = len({first[question] for question in meant & first.keys()}) <= 2 * digits - 3
+        found, other_sign = dict[str, str](), next(slips(spelled(number)))
+        for slip in slips(spelled(number)):
+            turned = slip == other_sign
+            if len(digits_of(slip)) < 2 or (turned and self._is_factor(number)):  # a modulus
+                continue
+            for known in written.get(slip, ()):
+                if known.chosen is None or not self._may_miss(known, number, slip, digits):
+                    continue
+                sure = digits > 2 and (turned or digits > 4 or self._is_near(known, number, digits))
+                sure = (sure and not known.stated) or (digits > 5 and not right)
+                counted = known.question.endswith("evaluations")
+                if sure or (known.question in meant and (digits > 3 or (few and not counted))):
+                    found[known.question] = slip
+        return self._slip_of_fact(number, alike, digits, first, found)
+
+    def _may_miss(self, known: KnownValue, number: TextNumber, slip: str, digits: int) -> bool:
+        """True unless the place of the number rules out that it is this value, misspelled."""
+        beside, here = self.methods_beside(number), self._place_of(number)
+        if known.keys and (known.keys <= self._not_meant or (beside and known.keys.isdisjoint(beside))):
+            return False
+        if here.denies(known.question) or (digits < 3 and not here.sure):
+            return False
+        if known.rank == 2 and self._is_of_another_cell(known.question, number):
+            return False
+        if known.rank < 2 and here.is_of_another(known.question):
+            return False
+        if known.stated and here.is_of_others(known.question):
+            return False
+        # The force at the start, which a code may need once more, is no slip.
+        one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
+        return not (one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys))
+
+    def _slip_of_fact(
+        self,
+        number: TextNumber,
+        alike: Sequence[LookAlike],
+        digits: int,
+        spellings: Mapping[str, str],
+        found: dict[str, str],
+    ) -> dict[str, str]:
+        """What was found, with the fact of its place if that is another, or else the one value that is meant there."""
+        fact, row = self._fact_at(number), self.tables.row_of(number)
+        own = self.fact_spelled(fact, form_of(number)) if fact else []
+        if fact and not row:
+            wrong = bool(own) and spelled(number) not in own and not self._is_safe(number, fact, Fraction(own[0]))
+            return found | ({fact: own[0]} if wrong else {})
+        if fact and (of_row := spellings.get(fact) or next(iter(own), "")):
+            if self._is_safe(number, fact, Fraction(of_row)):
+                return found
+            of_others = fact.partition(" ")[0] in {one.question.partition(" ")[0] for one in alike} and digits > 1
+            of_others &= of_row.lstrip("-") != spelled(number).lstrip("-")  # not the other convention
+            return found | ({fact: of_row} if of_others else self._misfit(number, {fact: of_row}))
+        in_cell = bool(row) and "." in number.text  # there 0.4300 has four digits
+        return found or self._misplaced(number, spellings, max(digits, in_cell * len(digits_of(number.text))))
+
+    def _kept(self, number: TextNumber, found: dict[str, str]) -> dict[str, str]:
+        """Those that neither the column, the row or the list of the number, nor few digits of a ratio make right."""
+        if found and self._column_kinds(number) - {*map(without_sizes, found)}:
+            return {}
+        if self._is_of_row(number, found) or self._is_of_list(number, found):
+            return {}
+        in_text = not (self.tables.row_of(number) or self.says_error(number))
+        if in_text and self._place_of(number).quantity == "percent":
             found = {x: y for x, y in found.items() if x in self.values.asked}  # of an amplitude, say
         least = Fraction(2, 10 ** (number.places or 0))  # of ratios of errors that are printed in few digits
         near = {x for x, y in found.items() if abs(number.value - Fraction(y)) <= least}
-        found = {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
-        return {question: slip for question, slip in found.items() if question in meant} or found
+        return {x: y for x, y in found.items() if x not in near or asked_quantity(x)[0] not in COMPARED}
 
     def _is_factor(self, number: TextNumber) -> bool:
         """True for a number of a product, a quotient or a modulus that stands in no table."""

@@ -20,24 +20,24 @@ if TYPE_CHECKING:
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
 LONGEST_DECIMAL = 10_000
-GIVEN, PROVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "COUNTED", "CERTIFIED", "STATED"
+GIVEN, PROVED, DERIVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "DERIVED", "COUNTED", "CERTIFIED", "STATED"
 # From exact to unchecked; an answer computed from several others has the weakest evidence among them.
-EVIDENCE_KINDS = (GIVEN, PROVED, COUNTED, CERTIFIED, STATED)
+EVIDENCE_KINDS = (GIVEN, PROVED, DERIVED, COUNTED, CERTIFIED, STATED)
 
 
 @dataclass(frozen=True, repr=False)
 class Answer(Printable):
     """The answer to `question`: `exact` is the number, None if the answer is a formula or words.
 
-    `evidence` is GIVEN for a number that a text chose, PROVED for an exact one, COUNTED for a count, CERTIFIED for an
-    enclosed number, and STATED for an unproved statement of the catalogue, such as a title. `form` is the exact form in
-    SymPy's syntax if `exact` does not give it, `words` the TeX of a `form` that is no formula, and `remark` qualifies
-    the evidence.
+    `evidence` is GIVEN for a number that a text chose, PROVED for a published one that the ledger proves, DERIVED for
+    any other exact one, COUNTED for a count, CERTIFIED for an enclosed number, and STATED for an unproved statement of
+    the catalogue, such as a title. `form` is the exact form in SymPy's syntax if `exact` does not give it, `words` the
+    TeX of a `form` that is no formula, and `remark` qualifies the evidence.
     """
 
     question: str
     exact: CertifiableReal | None
-    evidence: str = PROVED
+    evidence: str = DERIVED
     unit: str | None = None
     form: str | None = None
     words: str | None = None

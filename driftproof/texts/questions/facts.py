@@ -31,7 +31,7 @@ from driftproof.symbolic.linear.facts import facts_by_name
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.stability_limits import Infinity
-from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, STATED, Answer
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, DERIVED, STATED, Answer
 from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT
 from driftproof.texts.writing.facts import fact_tex, fact_text
@@ -120,7 +120,7 @@ def _answer(context: QueryContext, name: str, found: Any) -> Answer:
         return Answer("", None, form=found.text)
     if isinstance(found, TruncatedSeries):
         return Answer("", None, form=polynomial_text(polynomial(found.coefficients), found.variable))
-    return Answer("", None, _EVIDENCE.get(name, PROVED), form=fact_text(found), words=fact_tex(found))
+    return Answer("", None, _EVIDENCE.get(name, DERIVED), form=fact_text(found), words=fact_tex(found))
 
 
 def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
@@ -166,7 +166,7 @@ def of_number(x: Any) -> Answer | None:
     if isinstance(x, Infinity):
         return Answer("", None, form="oo")
     if isinstance(x, Angle):
-        return Answer("", x.exact, CERTIFIED if callable(x.exact) else PROVED, "degrees")
+        return Answer("", x.exact, CERTIFIED if callable(x.exact) else DERIVED, "degrees")
     if isinstance(x, RealRoot) and x.rational is None:
         form = radical_form(x)
         # A root of degree 2 is given in its quadratic field, so that arithmetic with it stays exact.

@@ -155,7 +155,7 @@ class ProblemRun:
         if not isinstance(method, RungeKutta | Collocation) or method.explicit:
             return None
         part = linear_part(self.rates) if len(self.rates.rates) == 1 else None
-        if part is None or any(part[1]):
+        if part is None or part[1] is None or any(part[1]):
             raise TypeError("not y' = λy")
         function, ((rate,),) = Facts(method).stability_function, part[0]
         found = exact(function.f(as_fmpq(self.h * rate))) if function else None

@@ -15,7 +15,7 @@ from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 from driftproof.symbolic.runs import OscillatorRun, exact_flow
-from driftproof.texts.questions.answer import CERTIFIED, COUNTED, PROVED, Answer
+from driftproof.texts.questions.answer import CERTIFIED, COUNTED, DERIVED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 
 _State = tuple[Fraction, Fraction]
@@ -45,7 +45,7 @@ EXACT_READOUTS: dict[str, Callable[[_State, Fraction], Answer]] = {
 
 
 def _answer(x: CertifiableReal | None) -> Answer:
-    return Answer("", x, CERTIFIED if callable(x) else PROVED)
+    return Answer("", x, CERTIFIED if callable(x) else DERIVED)
 
 
 def _phase_error(run: OscillatorRun) -> Answer:

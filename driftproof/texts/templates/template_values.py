@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn
 
-from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
+from driftproof.texts.questions.answer import EVIDENCE_KINDS, LONGEST_DECIMAL, STATED, Answer
 from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.templates.sandbox import Refusal
@@ -50,8 +50,8 @@ class TemplateValue:
 
     def __init__(self, value: Answer, kind: TextKind) -> None:
         """Take the answer. Raises Refusal for one that is only STATED."""
-        if value.evidence not in (GIVEN, PROVED, COUNTED, CERTIFIED):
-            raise Refusal(f"{value.question!r} is only {value.evidence}; templates print only what is proved")
+        if value.evidence not in {*EVIDENCE_KINDS} - {STATED}:
+            raise Refusal(f"{value.question!r} is only {value.evidence}; templates print only what is derived")
         self._value, self._kind = value, kind
 
     @property

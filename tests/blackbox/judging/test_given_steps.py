@@ -135,7 +135,7 @@ PASSED = {
     "rates of 1e7": (on(robertson), "rk4", robertson, "in 12 steps"),
     "degrees": (
         lambda y, h: y - 0.3 * h * ((y + KELVIN) - (21.5 + KELVIN)), "forward_euler", lambda y: [-0.3 * (y[0] - 21.5)],
-        "in 1 number, to 2e-14"),
+        "in 1 number, to 1e-15"),
     "large numbers": (
         above_the_ground, "symplectic_euler", lambda y: [y[1], -G / (1 + y[0] / EARTH) ** 2],
         "with more rounding than sums of these slopes have"),

@@ -7,7 +7,7 @@ from math import exp, log
 
 import pytest
 
-from driftproof.blackbox.solvers.step_size_law import LawPoint, _fitted, fitted_law
+from driftproof.blackbox.solvers.step_size_law import Law, LawPoint, _fitted, exceptions, fitted_law
 
 
 @pytest.mark.parametrize("terms", [2, 3, 4])
@@ -55,3 +55,12 @@ def test_an_extreme_factor_is_a_limit_if_several_steps_have_it(least, most, limi
         points += [LawPoint(5 * log(0.8 / x), 0.0, 0.0, 0.0, 1.2 * x, False, 1, True) for x in (0.16, 0.165)]
     law = fitted_law("bogacki_shampine32", points)
     assert (law.smallest, law.largest, law.exponent) == (*limits, Fraction(1, 5))
+
+
+@pytest.mark.parametrize(("exponent", "said"), [(1 / 3, "; after a rejection 0.5 r^(-1/3)"), (0, ", but 7 of 7 steps")])
+def test_a_factor_that_forgets_the_error_is_no_law_of_steps_after_a_rejection(exponent, said):
+    law = Law("of a pair", 0.9, Fraction(1, 5), 0, 0, None, None, None, False, 1.0, "")
+    errors = [n / 4 - 5 for n in range(20)]
+    points = [LawPoint(r, 0.0, 0.0, 0.0, 0.9 * exp(-r / 5), True, 0, False) for r in errors]
+    points += [LawPoint(n / 4, 0.0, 0.0, 0.0, 0.5 * exp(-exponent * n / 4), False, 1, False) for n in range(1, 8)]
+    assert exceptions(points, law, 0.01, 5.0).startswith(said)

@@ -149,6 +149,15 @@ class Stored:
         self.velocity += self.force / self.mass * dt
         self.position += self.velocity * dt
 
+class Cloth:
+    def __init__(self, x, accel):
+        self.pos, self.accel = np.array(x, float), accel
+        self.prev = self.pos + 0.125 * accel(self.pos)
+    def simulate(self, dt):
+        a, before = self.accel(self.pos), self.prev
+        self.prev = self.pos.copy()
+        self.pos = 2 * self.pos - before + a * dt**2
+
 class VerletPoint:
     def __init__(self, x, x_prev):
         self.x, self.x_prev = x, x_prev
@@ -176,6 +185,7 @@ KEPT = [  # the class, the method, the verdict on it where the wrapper is pasted
     ("VerletPoint", "stormer2", True, "made = VerletPoint(0.0, 0.0); made.x, made.x_prev = q, q - h * v + h**2 / 2 * "
      "force(q); ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append((made.advance(force, h), 1.0 * made.x)[-1]) "
      "for i in range(n)]; return ys[1:], [v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"),
+    ("Cloth", "stormer2", True, "made.pos, made.prev = 0 * made.pos + q, 0 * made.pos + q - "),
     ("Heavy", "symplectic_euler", True,
      f'{STEPPER_OF}Heavy, position="x", velocity="v", push=lambda body, f: body.apply_force(body.mass * f), advance='),
     ("HeavyPoint", "stormer2", True, "made.mass = 1.0"), ("Carried", "symplectic_euler", True, "Carried(force, m=1.0)"),

@@ -43,8 +43,8 @@ def test_spread_has_at_most_so_many_and_both_ends(count, most):
     assert (kept[0], kept[-1]) == (0, count - 1)
 
 
-def run_of(key, h, t):
-    scene = Scene("s", key, h, t, readouts=("trajectory",))
+def run_of(key, h, t, start=(Q(1), Q(0))):
+    scene = Scene("s", key, h, t, start, readouts=("trajectory",))
     return drawing.SampledRun(scene, key, *run_method(scene, key)["trajectory"], "id")
 
 
@@ -82,6 +82,8 @@ def test_long_run_is_drawn_with_bounded_marks_and_said_to_be_thinned(h, steps, c
     shown = drawing.phase_plane(run)
     assert drawing.MOST_DOTS < len(marks(shown, class_)) <= drawing.MOST_MARKS + 1
     assert said in shown.description
+    larger = drawing.phase_plane(run_of("symplectic_euler", h, steps * h, (Q(1000), Q(0))))
+    assert len(marks(larger, class_)) == len(marks(shown, class_)), "at any scale"
     over_time = drawing.position(run)
     assert "samples dots" not in "".join(over_time.plot.drawn)
     assert "extremes" in over_time.note

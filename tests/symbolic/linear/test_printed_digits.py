@@ -206,4 +206,4 @@ def test_question_of_a_limit_that_has_one_within_the_digits_says_so(tmp_path: Pa
     assert str(value(f"imaginary_limit {path}")).endswith(
         "rounded; imaginary_limit_within_digits ignores the rounding)"
     )
-    assert str(value("imaginary_limit tsitouras54")).endswith("(PROVED; with the coefficients as rounded)")
+    assert str(value("imaginary_limit tsitouras54")).endswith("(DERIVED; with the coefficients as rounded)")

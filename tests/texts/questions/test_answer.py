@@ -76,7 +76,7 @@ def test_published_decimal_stands_for_all_numbers_that_round_to_it():
 
 
 def test_answer_is_shown_as_it_is_printed():
-    assert repr(value("337/384")) == str(value("337/384")) == "0.877604166666667, exactly 337/384  (PROVED)"
+    assert repr(value("337/384")) == str(value("337/384")) == "0.877604166666667, exactly 337/384  (DERIVED)"
 
 
 def test_value_without_an_exact_form_has_its_published_digits_and_no_more():

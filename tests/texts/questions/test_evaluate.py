@@ -30,7 +30,7 @@ def answer_or_refuse(question):
     """Ask for everything that can be asked for. Only QuestionError may come, and on one line."""
     try:
         answer = value(question)
-        assert answer.evidence in ("PROVED", "COUNTED", "CERTIFIED", "STATED")
+        assert answer.evidence in ("PROVED", "DERIVED", "COUNTED", "CERTIFIED", "STATED")
         assert answer.exact_text != ""
         for rounding in (None, *ROUNDING_POLICIES):
             for ask_for in (answer.digits, answer.places):

@@ -188,7 +188,7 @@ def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers():
         for readout, by_hand in {"y0": y, "slope.y0": t + y, "k1.y0": Q(1), "k2.y0": Q(3, 2)}.items():
             found = value(f"{run} : {readout}")
             assert found.exact == by_hand if exact else found.digits(20) == value(str(by_hand)).digits(20), readout
-    assert value("run heun2 rates=(y0^2) from 1 h=1/64 2 steps : y0").evidence == "PROVED"
+    assert value("run heun2 rates=(y0^2) from 1 h=1/64 2 steps : y0").evidence == "DERIVED"
     assert value("run heun2 rates=(y0^2) from 1 h=1/64 40 steps : y0").evidence == "CERTIFIED"  # too long for fractions
     assert value("run gauss2 rates=(t*y0) from 1 h=1/4 t=1 : y0").evidence == "CERTIFIED"
 
@@ -254,7 +254,7 @@ def test_runs_and_solutions_are_enclosed_once(monkeypatch):
 
 def test_states_are_fractions_up_to_4096_bits():
     """Numerators and denominators of both components: 2047 + 1 + 2047 + 1 bits, and one more."""
-    for power, evidence in ((2046, "PROVED"), (2047, "CERTIFIED")):
+    for power, evidence in ((2046, "DERIVED"), (2047, "CERTIFIED")):
         run = f"run rk4 rates=(0*y0, 0*y1) from {2**2046},{2**power} h=1 t=1"
         assert value(f"{run} : y0").evidence == evidence
 

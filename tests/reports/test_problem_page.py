@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from driftproof import METHODS, Scene, report
+from driftproof import METHODS, Scene, report, work_precision
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.reports.page import problem as page
+from driftproof.reports import problem_page as page
 from driftproof.reports.user_problem import problem_given
 from tests.looping import exactly
 from tests.reports.page.test_document import Read
@@ -49,6 +49,12 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     assert re.fullmatch(r"from \d+ steps? on", rows["Mine"][0])
     orders = next(row for row in cells(shown) if row[0] == "Mine" and row[1] == "2")
     assert orders[2].startswith(("1.9", "2.0"))
+    assert ["Method", "steps", "evaluations of f", "error", "largest on the way"] in cells(shown)
+    assert "Steps are equal, and their fewest number is among those of the figure." in shown
+    wanted = report(tmp_path / "pendulum.toml", methods="rk4,forward_euler", error="1e-5,1e-1")
+    told = work_precision(tmp_path / "pendulum.toml", "rk4,forward_euler", error="1e-5,1e-1", time_limit=1e-4)
+    for line in exactly(3, [x for x in str(told).splitlines() if x.startswith("For an error of at most")]):
+        assert f"<p>{line}</p>" in wanted.html
 
 
 def test_kinks_are_told_of_and_signs_are_written_as_such():

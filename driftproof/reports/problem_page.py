@@ -11,7 +11,8 @@ from driftproof.methods.field_text import choices_as_functions
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene
-from driftproof.numeric.work_precision.curves import curve_of, step_counts
+from driftproof.numeric.work_precision.curves import Curve, curve_of, for_goal, step_counts, with_points_for
+from driftproof.numeric.work_precision.verdicts import GOALS
 from driftproof.reports.page.document import Part
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.stability import with_roots
@@ -21,18 +22,27 @@ from driftproof.reports.scene_view import comparison_rows, readout_rows, show_sc
 from driftproof.reports.stability import expected_of, of_proofs, steps_in_words
 from driftproof.reports.stability_tables import STABLE_FROM
 from driftproof.reports.user_problem import kinks_of
+from driftproof.reports.work_precision.report import wanted_text
+from driftproof.reports.work_precision.study import Measured
 from driftproof.symbolic.claimed_orders import stated_orders
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
 _EVALUATIONS = "evaluations of f"
+# Errors to be reached if none is wanted.
+_USUAL = GOALS[:2]
 # Characters: some three lines on the page.
 _LONGEST_EQUATIONS = 300
 
 
-def problem_part(problem: Problem, methods: Sequence[Entry], scene: Scene | None = None) -> Part:
-    """A problem with the errors of some methods against their work, the steps that each can take, and a scene on it."""
-    return Part(problem.title, partial(_problem, problem, methods, scene))
+def problem_part(
+    problem: Problem, methods: Sequence[Entry], scene: Scene | None = None, wanted: Sequence[float] = ()
+) -> Part:
+    """A problem with the errors of some methods against their work, the steps that each can take, and a scene on it.
+
+    For errors that are `wanted` longer runs are made, and the fewest steps are found.
+    """
+    return Part(problem.title, partial(_problem, problem, methods, scene, wanted))
 
 
 def stiff_part(methods: Sequence[Entry]) -> Part:
@@ -40,14 +50,20 @@ def stiff_part(methods: Sequence[Entry]) -> Part:
     return Part("Stiff problems", lambda _: _stiff(methods))
 
 
-def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, identity: str) -> str:
-    asked = with_progress(methods, "method")
-    counts = {explicit: step_counts(problem, FINEST if explicit else FINEST_IMPLICIT) for explicit in (True, False)}
-    found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
+def _problem(
+    problem: Problem, methods: Sequence[Entry], scene: Scene | None, wanted: Sequence[float], identity: str
+) -> str:
+    found, goals = [_curve(problem, each, wanted) for each in with_progress(methods, "method")], wanted or _USUAL
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
-    work = element("div", figure, work_table(found, stated_orders(methods)), class_="beside")
+    work = element("div", figure, work_table(found, stated_orders(methods), goals), class_="beside")
+    measured = Measured({curve.key: curve for curve in found})
+    lines = [line for goal in goals for line in wanted_text(problem, measured, goal).splitlines()]
+    work += "".join(element("p", escaped(line)) for line in lines)
+    steps = "found to a sixteenth" if wanted else "among those of the figure"
+    notes = [f"Steps are equal, and their fewest number is {steps}."]
     if not all(method.explicit for method in methods):
-        work += element("p", "Calls are those of f; Jacobian matrices are computed by formulas.", class_="note")
+        notes.append("Calls are those of f; Jacobian matrices are computed by formulas.")
+    work += element("p", " ".join(notes), class_="note")
     kinks = element("p", escaped(kinks_of(problem)), class_="note")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
@@ -66,6 +82,13 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
             element("section", element("h3", "Stability"), table, class_="panel"),
         ]
     )
+
+
+def _curve(problem: Problem, method: Entry, wanted: Sequence[float]) -> Curve:
+    if not wanted:
+        return curve_of(method, problem, step_counts(problem, FINEST if method.explicit else FINEST_IMPLICIT))
+    found = curve_of(method, problem, compiled=True)
+    return with_points_for(wanted, partial(for_goal, method=method, problem=problem), found)
 
 
 def _scene(scene: Scene) -> str:
@@ -88,11 +111,11 @@ def _setting(problem: Problem) -> str:
     names = problem.unknowns or field.components
     written = map(choices_as_functions, field.at(dict(zip(field.components, names, strict=True))))
     rates = [f"{y}′ = {rate}" for y, rate in zip(names, written, strict=True)]
-    start = [f"{y}(0) = {x}" for y, x in zip(names, problem.start, strict=True)]
+    start = [f"{y}(0) = {_short(x)}" for y, x in zip(names, problem.start, strict=True)]
     parameters = [f"{name} = {_short(value)}" for name, value in field.parameters if name != "pi"]
     equations = ", ".join([*rates, *start, *parameters])
-    shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []
-    return "; ".join([*shown, f"to t = {problem.t}", *([problem.source] if problem.source != problem.title else [])])
+    shown = [*[equations] * (len(equations) <= _LONGEST_EQUATIONS), f"to t = {_short(problem.t)}"]
+    return "; ".join([*shown, *[problem.source] * (problem.source != problem.title)])
 
 
 def _short(value: object) -> str:

@@ -1,0 +1,154 @@
+"""States to begin at, given by whoever knows where a step may be asked: their parts, and a range of each number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import accumulate, pairwise
+from math import cos, isfinite
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.findings import BadInput, Misbehaviour, NothingReturned, WrongShape
+from driftproof.blackbox.stepper.array_adapters import ARRAYS, Foreign, as_array
+from driftproof.blackbox.stepper.calling_conventions import (
+    FUNCTION,
+    MAP,
+    STATE,
+    STEP,
+    TIME,
+    CallingConvention,
+    reading_of,
+    role_of,
+    signature_text,
+)
+from driftproof.blackbox.stepper.foreign_code import CallLog
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.forms_by_values import state_names_of
+from driftproof.blackbox.stepper.trial_steps import format_of_answers
+
+AS_PARTS = "--system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python system=f, domain=Domain(start='...')"
+# A number without a range stands for those around it, up to this part of it; a 0, of the smallest other of its part.
+_AROUND = 1 / 8
+# So many states are seen, and so many more in the corners of the ranges, a bit within: a step there may lead out.
+_STATES, _CORNERS, _WITHIN = 6, 3, 7 / 8
+# The first step is so long or, as a table may end nearer, is halved so often.
+_LONGEST, _HALVINGS = 0.25, 60
+
+
+@dataclass(frozen=True)
+class Start:
+    """The parts of a state, each one number (0) or an array of so many, and the range of each number.
+
+    >>> Start.of("0:1; 2, -4, 0")
+    Start(parts=(0, 3), ranges=((0.0, 1.0), (1.75, 2.25), (-4.5, -3.5), (-0.25, 0.25)))
+    """
+
+    parts: tuple[int, ...]
+    ranges: tuple[tuple[float, float], ...]
+
+    @classmethod
+    def of(cls, text: str) -> Start:
+        """The start in a text: parts between semicolons, numbers between commas. Raises ValueError."""
+        parts, ranges = list[int](), list[tuple[float, float]]()
+        for part in text.split(";"):
+            texts = part.removesuffix(",").split(",")
+            found = [_numbers(each) for each in texts]
+            least = min((abs(x) for each in found for x in each if x), default=0.0)
+            for each, shown in zip(found, texts, strict=True):
+                low, high = each[0], each[-1]
+                if len(each) == 1:
+                    off = _AROUND * (abs(low) or least)
+                    low, high = low - off, high + off
+                if not low < high:
+                    raise ValueError(f"start: {shown.strip()!r} is no range of a number; write such as -1:1")
+                ranges.append((low, high))
+            parts.append(len(texts) if "," in part else 0)
+        return cls(tuple(parts), tuple(ranges))
+
+    @property
+    def words(self) -> str:
+        """The ranges in words."""
+        return ", ".join(f"{low:.6g}:{high:.6g}" for low, high in self.ranges)
+
+    @property
+    def states(self) -> list[tuple[float, ...]]:
+        """States all over the ranges."""
+        return [self._at([cos(3 * i + n + 1) for i in range(len(self.ranges))]) for n in range(_STATES)]
+
+    @property
+    def corners(self) -> list[tuple[float, ...]]:
+        """States near corners of the ranges."""
+        signs = ([(-1) ** (i * n // 2 + n) for i in range(len(self.ranges))] for n in range(_CORNERS))
+        return [self._at([_WITHIN * sign for sign in each]) for each in signs]
+
+    def _at(self, places: Sequence[float]) -> tuple[float, ...]:
+        return tuple((low + high + x * (high - low)) / 2 for x, (low, high) in zip(places, self.ranges, strict=True))
+
+    def opened(
+        self, step: Callable[..., Any], before: Callable[[str], None], after: Callable[[], None]
+    ) -> ForeignStepper:
+        """The step, as one of a state that is one array, after a first step. Raises BadInput if it has no answer."""
+        form = self._form(step, {})
+        order = (STATE, TIME, STEP) if form.timed else (STATE, STEP)
+        convention = CallingConvention(MAP, order)
+        subject, why = ForeignStepper(form, convention, ARRAYS, before=before, after=after), ""
+        for i in range(_HALVINGS):
+            first = partial(ForeignStepper.step_state, y=self.states[0], h=_LONGEST / 2**i)
+            try:
+                subject.begun = first, first(subject)
+            except Misbehaviour as error:
+                why = why or str(error)
+                continue
+            subject.format, subject.log = format_of_answers(subject.log), CallLog()
+            return subject
+        raise BadInput(f"{signature_text(step)} has no answer at the start: {why}")
+
+    def _form(self, step: Callable[..., Any], others: Mapping[str, float]) -> Any:
+        """The step(y, h) or step(y, t, h) of one array; what it takes besides is 1, unless among the `others`."""
+        if hasattr(step, "of_all"):
+            raise BadInput("a start has no effect on an object, which begins where it is made")
+        names, size, times = state_names_of(step)
+        known, beside = names[: len(self.parts)], dict.fromkeys(names[len(self.parts) :], 1.0) | {**others}
+        called = [name for name in names if role_of(name, (FUNCTION,))]
+        if not size or len(known) < len(self.parts) or called:
+            what = f"{called[0]} would be a function" if called else f"the start has {len(self.parts)}"
+            raise BadInput(
+                f"a start is for a step that takes a step size and the parts of a state, and keeps its own system; "
+                f"{signature_text(step)}: {what}"
+            )
+
+        def moved(y: Foreign, t: float, h: float) -> Foreign:
+            cuts = pairwise(accumulate((max(1, n) for n in self.parts), initial=0))
+            given = [np.array(y[i:j]) if n else float(y[i]) for n, (i, j) in zip(self.parts, cuts, strict=True)]
+            answer = step(**dict(zip(known, given, strict=True)), **{size: h}, **dict.fromkeys(times, t), **beside)
+            if answer is None and not all(self.parts):
+                raise NothingReturned("it returns None")
+            end = given if answer is None else [*answer] if len(given) > 1 else [answer]
+            found = [as_array(part).ravel() for part in end]
+            if [len(part) for part in found] != [max(1, n) for n in self.parts]:
+                seen = ", ".join(str(len(part)) for part in found)
+                raise WrongShape(f"it returns parts of {seen} numbers, which are not those of the start")
+            return np.concatenate(found)
+
+        form: Any = moved if times else lambda y, h: moved(y, 0.0, h)
+        form.step, form.others, form.timed = step, beside, bool(times)
+        form.of_others = lambda others: self._form(step, others)
+        form.reading = reading_of({"the state": known, "the time": times, "the step size": [size]}, step)
+        return form
+
+
+def _numbers(text: str) -> list[float]:
+    """The number, or the two ends of a range. Raises ValueError."""
+    try:
+        found = [float(x) for x in text.split(":")]
+        if len(found) <= 2 and all(map(isfinite, found)):
+            return found
+    except ValueError:
+        pass
+    raise ValueError(
+        f"start: {text.strip()!r} is no number, nor a range such as 280:400; commas part the numbers of an array, "
+        "semicolons the parts of a state, as in '1,0,0,0; 0.1,0.2,0.3'"
+    )

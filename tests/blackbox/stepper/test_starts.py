@@ -1,0 +1,145 @@
+"""A step that raises where it is not meant to be asked is judged by the states that a start gives."""
+
+import re
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+from driftproof import Domain, verify
+from driftproof.blackbox.stepper.starts import Start
+from tests.looping import exactly
+
+TABLE = np.linspace(280.0, 400.0, 13)
+
+
+def midpoint(f, y, h, part=0.5):
+    return y + h * f(y + part * h * f(y))
+
+
+def heated(temperature):
+    if not TABLE[0] <= temperature <= TABLE[-1]:
+        raise ValueError("outside of the table")
+    return 0.5 * np.interp(temperature, TABLE, TABLE**2 / 9e4) - 0.02 * (temperature - 293.0)
+
+
+def kepler(y):
+    if (distance := np.linalg.norm(y[:3])) < 6.378e6:
+        raise ValueError("below the ground")
+    return np.concatenate([y[3:], -3.986e14 * y[:3] / distance**3])
+
+
+def swung(theta, omega, dt, late=0):
+    if abs(theta) > pi / 2:
+        raise ValueError("beyond the stops")
+    moved = omega - dt * 9.81 * sin(theta) / cos(theta)
+    return theta + dt * (omega if late else moved), moved
+
+
+def tumbling(y):
+    w, x, y, z, p, q, r = y
+    turned = -x * p - y * q - z * r, w * p + y * r - z * q, w * q + z * p - x * r, w * r + x * q - y * p
+    return np.array([*(each / 2 for each in turned), 0.6 * q * r, -0.5 * p * r, 0.1 * p * q])
+
+
+def turned(q, w, dt, part=0.5):
+    end = midpoint(tumbling, np.array([*q, *w]), dt, part)
+    q[:], w[:] = end[:4], end[4:]
+
+
+ORBIT, ROOM, TUMBLE = "8e6, 0, 0, 10, 7e3, 1", "280:400", "1,0,0,0; 0.1,0.2,0.3"
+RIGHT = {
+    "table": (lambda T, dt: midpoint(heated, T, dt), "midpoint2", lambda y: heated(y[0]), ROOM),
+    "orbit": (lambda y, dt: midpoint(kepler, y, dt), "midpoint2", kepler, ORBIT),
+    "stops": (swung, "symplectic_euler", lambda y: (y[1], -9.81 * sin(y[0]) / cos(y[0])), "-1.2:1.2; -2:2"),
+    "parts": (turned, "midpoint2", tumbling, TUMBLE),
+    "clock": (lambda x, t, dt: x + dt * sqrt(x) * cos(t), "forward_euler", lambda t, y: sqrt(y[0]) * cos(t), "4"),
+    "gain": (lambda x, gain, dt: x + dt * gain * sqrt(x), "forward_euler", lambda y, gain: gain * sqrt(y[0]), "4"),
+}
+WRONG = {
+    "table": lambda T, dt: midpoint(heated, T, dt, 0.75),
+    "orbit": lambda y, dt: midpoint(kepler, y, dt, 1.0),
+    "stops": lambda theta, omega, dt: swung(theta, omega, dt, late=1),
+    "parts": lambda q, w, dt: turned(q, w, dt, 0.25),
+    "clock": lambda x, t, dt: x + dt * sqrt(x) * cos(t + dt),
+    "gain": lambda x, gain, dt: x + dt * gain * sqrt(x) / 2,
+}
+
+
+def judged(step, method, system, start, **limits):
+    return verify(step, method, system=system, domain=Domain(largest_step=600.0, start=start, **limits), isolate=False)
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_step_is_judged_where_it_may_be_asked(name):
+    step, *meant = RIGHT[name]
+    found = judged(step, *meant)
+    assert found.passed, found.verdict
+    assert f", from states in {Start.of(meant[-1]).words}" in found.verdict
+    assert judged(WRONG[name], *meant).passed is False
+
+
+def test_a_step_that_a_start_gives_no_answer_to_is_told_and_is_no_pass():
+    step, *meant, _ = RIGHT["table"]
+    found = judged(step, *meant, "240:400")
+    assert "; the system given has no slopes at 2 of 6 states there" in found.verdict
+    found = judged(step, meant[0], lambda y: heated(min(max(y[0], 280.0), 400.0)), "240:400")
+    assert " steps cannot be compared: step(state=[" in found.verdict
+    with pytest.raises(ValueError, match=r"has no answer at the start: step.* outside of the table"):
+        judged(step, *meant, "2")
+
+
+def test_states_lie_within_the_ranges():
+    start = Start.of("0:1; 2, -4, 0")
+    for y in exactly(9, [*start.states, *start.corners]):
+        assert all(low <= x <= high for x, (low, high) in exactly(4, zip(y, start.ranges, strict=True)))
+
+
+REFUSED = {
+    "x": "'x' is no number, nor a range such as 280:400",
+    "1:2:3": "'1:2:3' is no number",
+    "inf": "'inf' is no number",
+    "0": "'0' is no range of a number; write such as -1:1",
+    "2:1": "'2:1' is no range",
+    "1; 2": "and keeps its own system; <lambda>(y, dt): the start has 2",
+}
+
+
+@pytest.mark.parametrize("start", REFUSED)
+def test_a_start_that_is_none_is_refused(start):
+    with pytest.raises(ValueError, match=re.escape(REFUSED[start])):
+        judged(*RIGHT["orbit"][:3], start)
+
+
+@pytest.mark.parametrize(("step", "options", "said"), [
+    (RIGHT["table"][0], {}, "a start has no effect without a system"),
+    (RIGHT["table"][0], {"system": kepler, "calls": "map"}, "calls=map has no effect with a start"),
+    (lambda f, y, h: y, {"system": kepler}, "f would be a function"),
+    (lambda y, h: 0.0 * y[:2], {"system": kepler}, "it returns parts of 2 numbers, which are not those of the start"),
+    (lambda y, h: None, {"system": kepler}, "no answer at the start: it returns None"),
+])  # fmt: skip
+def test_a_start_has_no_effect_on_other_steps(step, options, said):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        verify(step, "rk4", domain=Domain(start="1" if "None" in said else "1,2,3"), isolate=False, **options)
+    with pytest.raises(ValueError, match="it returns parts of 4, 3 numbers; if these are its state, say so: --system"):
+        verify(lambda q, w, dt: (np.resize(q, 4), np.resize(w, 3)), "rk4", isolate=False)
+    with pytest.raises(ValueError, match=r"largest_state=5.0 has no effect with a start"):
+        judged(*RIGHT["orbit"], largest_state=5.0)
+
+
+def test_a_limit_of_a_step_is_no_other_system():
+    rate = lambda c: np.array([-2 * c[0] * c[1], 0.1 - c[0] * c[1]])
+    clipped = lambda x, dt: np.maximum(x + dt / 2 * (rate(x) + rate(x + dt * rate(x))), 0.0)
+    found = verify(clipped, "heun2", system=rate, isolate=False)
+    assert found.passed is None
+    assert "numbers of some states end at a limit, however short the step" in found.verdict
+    assert "the states that it is for: --start" in found.text()
+    near = Domain(largest_step=0.5, start="0.5:1, 0.5:1")
+    assert verify(clipped, "heun2", system=rate, domain=near, isolate=False).passed
+    reset = lambda x, v, dt: (x + dt * v, 0.0)
+    assert verify(reset, "symplectic_euler", system=lambda y: [y[1], -y[0]], isolate=False).passed is False
+
+
+def test_a_step_that_rests_at_0_is_not_said_never_to_move():
+    reacted = lambda conc, dt: np.maximum(conc + dt * conc[0] * conc[1] * np.array([-2.0, -1.0, 2.0]), 0.0)
+    assert verify(reacted, "forward_euler", isolate=False).passed is None
