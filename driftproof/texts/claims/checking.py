@@ -324,7 +324,7 @@ def coverage(
     text = document.text.text
     values: dict[Span, tuple[str, str]] = {}
     holders: list[tuple[int, int, str, str]] = []
-    unheld: list[Span] = []
+    unheld, denied = list[Span](), set[int]()
     for one in checked:
         claim = one.claim
         for occurrence in one.occurrences:
@@ -333,6 +333,7 @@ def coverage(
                 values.setdefault(occurrence.span(name), (how, claim.id))
             holders.append((*occurrence.span(), GIVEN, claim.id))
             unheld += [occurrence.span()] if claim.given is None else []
+            denied.update(range(*occurrence.span()) if claim.fact and claim.fact[1] == "no" else ())
     for label in labels:
         found = [match.span() for match in label.phrase.any_numbers().finditer(text)]
         if not found:
@@ -353,7 +354,8 @@ def coverage(
     held = set[int]()
     for start, end in {(start, end) for start, end, *_ in holders}.difference(unheld) | values.keys():
         held.update(range(start, end))
-    unread = tuple(word for word in words_in(text) if word.start not in held)
+    left = (word for word in words_in(text) if word.start not in held)
+    unread = tuple(word for word in left if word.start not in denied or word.text.lower() != "neither")
     return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
 
 

@@ -38,7 +38,6 @@ _PART = rf"(?:an?|{_UNIT})[- ](?:hal(?:f|ves)|(?:{'|'.join([*_PARTS.values()][1:
 WORDED_NUMBER = rf"(?:{_PART}|{_WHOLE}|half|twice|thrice)"
 WORDED_TREND = rf"(?:{'|'.join(' '.join((*_TRENDS.values(), *_COMPARED.values())).split())})"
 WORD_OF_SENTENCE = rf"(?:{'|'.join(' '.join(_IN_SENTENCES.values()).split())})"
-_NUMBER = re.compile(rf"\b{WORDED_NUMBER}\b", re.IGNORECASE)
 _WHOLE_NUMBER = re.compile(rf"\b{_BELOW_HUNDRED}\b(?![- ](?:{_LARGE}|hal(?:f|ves)|thirds?|quarters?))", re.IGNORECASE)
 _TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
 _SAID = re.compile(
@@ -47,7 +46,11 @@ _SAID = re.compile(
     r"|\b(?:(?:smaller|larger)(?= by\b)|(?:divides|multiplies)(?= the errors?\b))",
     re.IGNORECASE,
 )
-_CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\b", re.IGNORECASE)
+_CHANGES = "|".join(f"{_TRENDS[1]} {_TRENDS[-1]}".split())
+_CHANGE = re.compile(rf"\b(?:{_CHANGES})\b", re.IGNORECASE)
+# Every word that a number could stand for, and neither, as in "neither A- nor L-stable".
+_MULTIPLIES = r"halve[sd]|doubled|doubles|tripled|triples|quadrupled|quadruples|quartered|quarters|neither"
+_READ = re.compile(rf"\b(?:{WORDED_NUMBER}|{_CHANGES}|{_MULTIPLIES})\b", re.IGNORECASE)
 # "one" by itself is more often a pronoun; it counts after a word for counting.
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
 
@@ -148,10 +151,9 @@ def is_worded(text: str) -> bool:
 
 
 def words_in(text: str) -> list[TextWord]:
-    """The numbers in words and the words for growth or decay in the text, in order."""
-    numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()])]
-    found = [*numbers, *_CHANGE.finditer(text)]
-    return sorted(TextWord(*match.span(), match[0]) for match in found)
+    """The numbers in words, the words for growth or decay, and for what is said by words alone, in order."""
+    found = (m for m in _READ.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()]))
+    return [TextWord(*match.span(), match[0]) for match in found]
 
 
 def words_said_in(text: str) -> list[TextWord]:

@@ -23,6 +23,9 @@ def test_report_says_what_is_wrong_and_what_is_covered():
     words = TextReport.of("a.txt", document_of(TEXT + " Two, two and ten."), CLAIMS)
     assert words.written("text").splitlines()[2] == "not checked: 3 words for numbers or growth (two ×2, ten)"
     assert json.loads(words.written("json"))["words"][2] == {"text": "ten", "line": 3, "column": 58}
+    denied = claim("RK4 is neither A- nor L-stable", 'value = "a_stable rk4"\nanswer = "no"')
+    words = TextReport.of("a.txt", document_of("RK4 is neither A- nor L-stable, neither halved."), Claims((denied,)))
+    assert words.written("text").splitlines()[2] == "not checked: 2 words for numbers or growth (neither, halved)"
     again = TextReport.of("a.txt", document_of(TEXT + " Then the error is 0.47 after 40 steps."), CLAIMS)
     assert again.written("text").splitlines()[2] == "not checked: 2 numbers where a claim has another one (0.47, 40)"
     percent = TextReport.of("a.txt", document_of("It is 0.33 percent."), Claims((claim("is {value}"),)))

@@ -161,6 +161,9 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
         ("Backward Euler and BDF2 are both A-stable", [True, True]),
         ("Neither RK4 nor backward Euler is A-stable", [True, False]),
         ("RK4 is neither A- nor L-stable", [True, True]),
+        ("Backward Euler is both A- and L-stable", [True, True]),
+        ("The trapezoidal rule is A- but not L-stable", [True, True]),
+        ("The trapezoidal rule is A- and L-stable", [True, False]),
         ("Backward Euler is neither A-stable nor L-stable", [False, False]),
         ("The trapezoidal rule is A-stable, but not L-stable", [True, True]),
         ("Backward Euler has R = 1, the trapezoidal rule -1; neither is A-stable", [False, False]),
@@ -174,6 +177,7 @@ def test_two_properties_of_one_sentence_are_two_facts_and_what_stands_between_co
         *("It is A-stable", "RK4 is fast", "RK4 is symplectically ill", "RK4 is L", "So RK4 is A-stable?"),
         *("True or false: RK4 is A-stable.", "It is a myth that RK4 is A-stable", "Nobody says that RK4 is A-stable"),
         *("RK4 nor Heun is A-stable", "The regions of RK4 and BDF2 are symmetric", "BDF2 but not RK4 is A-stable"),
+        *("Backward Euler is not A- and L-stable", "RK4 is A- or L-stable"),
         *("Unlike RK4 and Heun, both are A-stable", "Nobody says that neither RK4 nor Heun is A-stable"),
     ],
 )

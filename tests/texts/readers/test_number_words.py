@@ -48,6 +48,7 @@ READ = {
     "it grows and shrinks, drops, decayed, and keeps": ["grows", "shrinks", "drops", "decayed"],
     "someone weighs anthony's tent": [],
     "a thousand and\none": ["a thousand"],
+    "h halved halves two halves; neither is quartered": ["halved", "halves", "two halves", "neither", "quartered"],
 }
 
 
