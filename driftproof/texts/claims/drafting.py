@@ -16,7 +16,7 @@ from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
 from driftproof.texts.claims.contradictions import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.listings import listings_in
-from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, uncovered
+from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, problems_named_once, uncovered
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase, digits_of
 from driftproof.texts.claims.stated_facts import Said, properties_in
@@ -35,7 +35,7 @@ _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Chosen: questions read from the text that are shown; they differ in methods and step sizes.
 _MOST_READ = 12
 # What a draft calls perhaps wrong.
-_DOUBT = re.compile(rf"(?m)^# line ([0-9]+): (.+?) {SLIP} (.+)$")
+_DOUBT = re.compile(rf"(?m)^# ((?:cell [0-9]+, )?line [0-9]+)(?: of its output)?: (.+?) {SLIP} (.+)$")
 _BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
@@ -50,7 +50,7 @@ _HEADER = """\
 class Doubt(NamedTuple):
     """What the draft called perhaps wrong in this line, what it said of it, and the claim whose phrase has it."""
 
-    line: int
+    line: str
     words: str
     said: str
     claim: Claim | None
@@ -63,7 +63,13 @@ class Doubt(NamedTuple):
         places = places_of(document, self.claim, self.words) if self.claim else None
         words = [TextNumber(*word, None) for word in words_said_in(document.text.text)]
         found = [x for x in (*uncovered, *words) if x.text == self.words and (places is None or x.start in places)]
-        return min(found, key=lambda x: abs(document.position(x.start).line - self.line), default=None)
+        numbers = re.compile("[0-9]+")
+
+        def apart(x: TextNumber) -> list[int]:
+            places = map(numbers.findall, (document.place(x.start), self.line))
+            return [abs(int(a) - int(b)) for a, b in zip(*places, strict=False)]
+
+        return min(found, key=apart, default=None)
 
 
 def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
@@ -98,8 +104,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         said = chain.from_iterable(starters_said(text[slice(*span)].lower()) for span in prose)
         others = prose if held and held.isdisjoint(said) else set[Span]()
         for start, end in sorted(others):
-            words, at = as_phrase(text[start:end].strip()), document.position(start).line
-            drafted.append(f"# line {at}: {words} {SLIP} what starts the values held is {', '.join(sorted(held))}\n")
+            words, at = as_phrase(text[start:end].strip()), document.place(start)
+            drafted.append(f"# {at}: {words} {SLIP} what starts the values held is {', '.join(sorted(held))}\n")
         drafted += _given(text, without_numbers | (starts - others), ids)
     drafted += _properties(document, ids)
     grouped = [of_one_method(group) for group in groups(text, members, fences)]
@@ -108,14 +114,15 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number
-        place = "line {}, column {}".format(*document.position(first.start))
+        line = document.place(first.start)
+        place = f"{line}, column {document.position(first.start).column}" if not document.cells else line
         phrase, stands, address = search.phrase(room, group)
         meant = [[questions.get(at + member.number.start - first.start) for member in group] for at in stands]
         if any(one != meant[0] for one in meant):  # the same words and numbers elsewhere do not mean the same
             group = [replace(member, strong=False) for member in group]
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
-        slips = [member.remark(place.partition(",")[0]) for member in group if member.slips]
+        slips = [member.remark(line) for member in group if member.slips]
         claim = "".join([*slips, f"# {place}: no phrase can be drafted for {first.text}\n"])
         there = " ".join((phrase, *address[:2], *address.columns))
         methods = _methods(group, there, suggestions) if len(stands) == 1 else []
@@ -139,14 +146,14 @@ def doubts_of(claims: str) -> list[Doubt]:
         with suppress(ValueError):
             own += parse_claims(re.sub("(?m)^# ?", "", below[0])).claims if below else ()
         has_it = own and not own[0].phrase.names and doubt[2] in own[0].phrase.free_numbers_and_words
-        found.append(Doubt(int(doubt[1]), doubt[2], doubt[3], own[0] if has_it else None))
+        found.append(Doubt(doubt[1], doubt[2], doubt[3], own[0] if has_it else None))
     return found
 
 
 def lines_to_look_at(claims: str, name: str) -> list[str]:
     """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
     slips = [f"  {line[2:]}\n" for line in claims.splitlines() if line[:1] == "#" and SLIP in line]
-    return [f"{name}: {counted(len(slips), 'number')} to look at:\n", *slips] if slips else []
+    return [f"{name}: {counted(len(slips), 'number')} to look at:\n", *problems_named_once(slips)] if slips else []
 
 
 def _given(text: str, spans: set[Span], ids: Counter[str]) -> Iterator[str]:
@@ -164,8 +171,8 @@ def _properties(document: Document, ids: Counter[str]) -> Iterator[str]:
         of_phrases.setdefault(said.phrase, []).append(said)
     for said in chain(*of_phrases.values()):
         if not said.holds:
-            so, line = "no" if said.answer == "yes" else "yes", document.position(said.start).line
-            yield f"# line {line}: {said.phrase} {SLIP} {said.question} is {so}\n"
+            so, line = "no" if said.answer == "yes" else "yes", document.place(said.start)
+            yield f"# {line}: {said.phrase} {SLIP} {said.question} is {so}\n"
     for phrase, found in of_phrases.items():
         said_so = Phrase.of(as_phrase(phrase))
         count, given = len(said_so.exact({}).findall(text)), 'given = "said of the method, not of the property"'
@@ -195,7 +202,7 @@ def _claim(
     group: Group, phrase: str, count: int, place: str, ids: Counter[str], methods: list[str], address: Address
 ) -> str:
     """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
-    head, line = group[0], place.partition(",")[0]
+    head, line = group[0], place.partition(", column")[0]
     valued, chosen = any(member.strong for member in group), head.chosen
     if valued or chosen:
         asked = ", ".join(member.alike[0].question for member in group if member.strong)
@@ -226,7 +233,7 @@ def _asked_line(document: Document, missed: Missed) -> str:
     with suppress(ValueError):
         shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
     shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")
-    found = dict.fromkeys(f"{x.text} in line {document.position(x.start).line}" for x in slips or vague)
+    found = dict.fromkeys(f"{x.text} in {document.place(x.start)}" for x in slips or vague)
     places = [*found][:_MOST_PLACES]
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby
@@ -47,6 +47,22 @@ _MOST_GUESSES = 6
 SLIP = "is perhaps a slip:"
 # And on an error constant beside those of methods of another kind.
 SIGN = "its sign is computed minus exact for methods of one step, and in most books the other one"
+
+
+# A problem in a question, and its energy.
+_PROBLEM = re.compile(r"\w+'+=(?:(?! : ).)*\(0\)=[^,:\s]+|\benergy=(?:(?! : ).)*?(?=, [hNt]=)")
+
+
+def problems_named_once(lines: Iterable[str]) -> Iterator[str]:
+    """The lines, with dots for a problem that a question before has in full."""
+    named = set[str]()
+
+    def shown(problem: re.Match[str]) -> str:
+        known = problem[0] in named
+        named.add(problem[0])
+        return "..." if known else problem[0]
+
+    yield from (_PROBLEM.sub(shown, line) for line in lines)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from driftproof.texts.claims.checking import (
 from driftproof.texts.claims.claims import Claims, read_claims, refused_in
 from driftproof.texts.claims.drafting import Doubt, doubts_of, draft
 from driftproof.texts.claims.listings import Ran, run_listings
-from driftproof.texts.claims.members import SLIP
+from driftproof.texts.claims.members import SLIP, problems_named_once
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import LARGEST_DOCUMENT, Document, read_document
 from driftproof.texts.readers.number_words import TextWord
@@ -132,8 +132,10 @@ class TextReport(Printable):
         return {**entry, "context": self._context(one.number), **looks_like}
 
     def _lines(self) -> Iterator[str]:
-        for _, line, column, title, message in self._notes():
-            yield f"{self.file}:{line}:{column}: {f'{title}: ' * bool(title)}{message}"
+        yield from problems_named_once(
+            f"{self.file}:{self.document.shown(line, column)}: {f'{title}: ' * bool(title)}{message}"
+            for _, line, column, title, message in self._notes()
+        )
         wrong = len({finding.claim for finding in self.findings})
         listings = f", {counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"

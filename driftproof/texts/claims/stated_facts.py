@@ -239,7 +239,8 @@ def properties_in(text: str) -> Iterator[Said]:
     what, of = "|".join(_PROPERTIES), rf"(?:{spoken_names().pattern})(?:'s)?(?: (?:method|rule|scheme))?"
     said = rf"(?:(?:(?P<none>neither )(?:the )?)?(?P<of>{of}(?:(?:, | and |, and | nor )(?:the )?{of})*)"
     said += r"(?:, [^,.;]{1,30},)?|(?P<two>both|neither)) (?:is|are)(?: both| also)? "
-    both = rf"(?<!not )[al]-(?=,? (?:and|but) (?:not )?[al]-stable)|(?:{what})\b"  # "not A- and L-stable" may deny one of them only
+    # "not A- and L-stable" may deny one of them only.
+    both = rf"(?<!not )[al]-(?=,? (?:and|but) (?:not )?[al]-stable)|(?:{what})\b"
     said += rf"(?:(?P<no>not )?(?P<what>{both})(?:,? (?:and|but|or) (?P<no2>not )?(?P<what2>{what})\b)?|"
     said += rf"neither (?P<first>a-|l-|{what}) nor (?P<second>{what})\b)(?! ?\?)"
     lower = text.lower()

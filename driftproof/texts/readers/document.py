@@ -14,7 +14,7 @@ from driftproof.support.files import read_utf8
 from driftproof.texts.readers.canonical import canonical_spelling
 from driftproof.texts.readers.columns import with_columns_parted
 from driftproof.texts.readers.html import html_blocks
-from driftproof.texts.readers.jupyter import notebook_blocks
+from driftproof.texts.readers.jupyter import lines_of_cells, notebook_blocks
 from driftproof.texts.readers.markdown import markdown_blocks
 from driftproof.texts.readers.mediawiki import WIKI_TABLE, mediawiki_blocks
 from driftproof.texts.readers.restructured import restructured_blocks
@@ -71,6 +71,7 @@ class Document:
     text: SourceText
     blocks: tuple[Block, ...]
     starts: tuple[int, ...]  # where each non-empty block begins in `text`
+    cells: tuple[tuple[int, str], ...] = ()  # of a notebook, see `lines_of_cells`
 
     @cached_property
     def _ranges(self) -> list[tuple[int, int, int]]:
@@ -107,6 +108,18 @@ class Document:
         """The position in the file of the character text[index]."""
         return self.position_of_origin(self.text.origin(index))
 
+    def place(self, index: int) -> str:
+        """The line of the character text[index] for readers: line 12, or in a notebook cell 3, line 2."""
+        return self._line_shown(self.text.origin(index)) or f"line {self.position(index).line}"
+
+    def shown(self, line: int, column: int) -> str:
+        """A position in the file for readers: 12:5, or in a notebook cell 3, line 2."""
+        return self._line_shown(self._line_starts[line - 1] + column - 1) or f"{line}:{column}"
+
+    def _line_shown(self, origin: int) -> str:
+        at = bisect_right(self.cells, origin, key=lambda line: line[0])
+        return self.cells[at - 1][1] if at else ""
+
     def position_of_origin(self, origin: int) -> Position:
         """The position of an offset in the file."""
         line = bisect_right(self._line_starts, origin)
@@ -130,7 +143,8 @@ def document_of(source: str, form: str = "plain") -> Document:
             pieces += [Insertion("\n", text.origin(0)), text] if pieces else [text]
             starts.append(end)
             end += len(text.text) + 1  # one for the line break between blocks
-    return Document(source, joined(pieces), blocks, tuple(starts))
+    cells = tuple(lines_of_cells(source)) if form == "notebook" else ()
+    return Document(source, joined(pieces), blocks, tuple(starts), cells)
 
 
 def read_document(path: str | Path, form: str | None = None) -> Document:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator
 
 from driftproof.texts.readers.html import html_blocks
@@ -12,6 +13,8 @@ from driftproof.texts.readers.source_text import LISTING, OUTPUT, Block, SourceT
 
 _TOKEN = re.compile(r'"(?P<string>(?:[^"\\]++|\\.)*+)"|(?P<open>[\[{])|(?P<close>[\]}])|(?P<comma>,)|(?P<colon>:)')
 _ESCAPE = re.compile(r"\\(?:u[dD][89abAB]\w\w\\u\w{4}|u\w{4}|.)")
+# A line of a JSON string, with the escape that ends it.
+_LINE = re.compile(r"(?:[^\\]|\\[^n])++(?:\\n)?|\\n")
 _LONE_SURROGATE = re.compile("[\ud800-\udfff]")
 # The keys of a cell that hold text; pictures are ignored.
 _READ = ("cell_type", "source", "text", "text/plain", "text/html")
@@ -33,6 +36,19 @@ def notebook_blocks(source: SourceText) -> list[Block]:
         blocks += [Block(LISTING, code, language), *_outputs(cell)] if kind == "code" else []
         blocks += markdown_blocks(code) if kind == "markdown" else []
     return blocks
+
+
+def lines_of_cells(source: str) -> list[tuple[int, str]]:
+    """The lines of all cells and outputs of a notebook: where each begins in the file, and which line of which cell."""
+    found, lines = list[tuple[int, str]](), Counter[tuple[Key, ...]]()
+    for path, string in _strings(SourceText.of(source)):
+        of = path[:-1] if isinstance(path[-1], int) else path
+        if len(of) > 2 and of[0] == "cells" and isinstance(of[1], int) and of[-1] in _READ[1:]:
+            for line in _LINE.finditer(string.text):
+                lines[of] += 1
+                of_output = " of its output" * (of[2] == "outputs")
+                found.append((string.origin(line.start()), f"cell {of[1] + 1}, line {lines[of]}{of_output}"))
+    return sorted(found)
 
 
 def _checked(text: str) -> str:

@@ -7,6 +7,7 @@ import pytest
 
 from driftproof.texts.claims.checking import GIVEN
 from driftproof.texts.claims.drafting import draft
+from driftproof.texts.claims.members import problems_named_once
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import held
 
@@ -112,3 +113,10 @@ def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses
         drafted = draft(document_of("is 0.123457"), "a", asked[:count])
         assert re.findall("# 0.123457 looks also like (.*)", drafted) == said
     assert "0.5 looks" not in draft(document_of("is 0.5, and h = 0.5"), "a")  # like too much
+
+
+def test_a_problem_is_written_out_once():
+    of, energy = "x'=v, v'=-x, x(0)=1, v(0)=0", "energy=v^2/2 + x^2/2"
+    lines = [f"run rk4 {of}, h=0.1, t=1 : x is 0.5; it looks like exact {of}, t=1 : x", f"run rk4 {of}, {energy}, t=2"]
+    shown = [lines[0].replace(f"exact {of}", "exact ..."), f"run rk4 ..., {energy}, t=2", "run rk4 ..., ..., t=2"]
+    assert [*problems_named_once([lines[0], lines[1], lines[1]])] == shown

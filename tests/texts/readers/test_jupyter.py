@@ -36,6 +36,18 @@ def test_notebook_is_read_as_people_read_it():
     assert [kind for kind, *_ in blocks("notebook", json.dumps(NOTEBOOK))].count("output") == 2
 
 
+def test_a_place_is_named_by_its_cell_and_the_line_there():
+    """A string of a cell may hold several lines, or one."""
+    document = document_of(
+        json.dumps({"cells": [*NOTEBOOK["cells"], {"cell_type": "markdown", "source": "a\n\\nu\n9"}]}), "notebook"
+    )
+    at = {x: document.place(document.text.text.index(x)) for x in ("0.33", "72", "1/4", "0.25", "9")}
+    assert [*at.values()] == [
+        *("cell 1, line 1", "cell 1, line 2", "cell 2, line 1", "cell 2, line 1 of its output", "cell 4, line 3")
+    ]
+    assert document.shown(1, document.source.index("72")) == at["72"]
+
+
 def test_what_notes_of_programs_say_is_not_read():
     note = {"a": {"text": "7", "cell_type": "markdown", "source": "8"}}
     cells = [{**cell, "metadata": note, "attachments": note} for cell in NOTEBOOK["cells"]]
