@@ -10,13 +10,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
 from functools import lru_cache
-from math import isqrt
 from typing import NamedTuple
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.methods.vector_fields import partial_derivative
 from driftproof.texts.claims.contradictions import (
     LINEAR,
     flat,
@@ -27,7 +24,7 @@ from driftproof.texts.claims.contradictions import (
     spoken_names,
 )
 from driftproof.texts.claims.stated_problems import stated_problems
-from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.evaluate import limit_of_rates, value
 from driftproof.texts.readers.number_words import counts_of_steps
 
 # Words near an order that is not the method's own.
@@ -104,26 +101,8 @@ def linear_equations(text: str) -> list[Linear]:
         at = problem.at + problem.part.index("'") if "'" in problem.part else problem.at
         named = LINEAR.search(problem.part[:_NEAR].lower()) if not problem.rates else None  # y' = -λy
         unsized = ("imaginary_limit" if named["second"] else "real_limit", "") if named else ("", "")
-        found.append(Linear(at, *(_limit_of(problem.rates) or unsized)))
+        found.append(Linear(at, *(limit_of_rates(problem.rates) or unsized)))
     return found
-
-
-def _limit_of(rates: dict[str, str]) -> tuple[str, str] | None:
-    """The limit and the size of y' = -size y or x'' = -size² x, None for other rates."""
-    slopes = dict[tuple[str, str], Fraction]()
-    with suppress(ValueError, LookupError, ZeroDivisionError):
-        for of, rate in rates.items():
-            for by in rates:
-                slope = value(partial_derivative(rate_of_text(rate, {name: name for name in rates}), by)).exact
-                slopes[of, by] = slope if isinstance(slope, Fraction) else Fraction(0) / 0
-    names = [*rates]
-    if len(names) == 1 and (c := slopes.get((names[0], names[0]), 0)) < 0:
-        return "real_limit", str(-c)
-    if len(names) == 2 and len(slopes) == 4 and not (slopes[names[0], names[0]] or slopes[names[1], names[1]]):
-        square = -slopes[names[0], names[1]] * slopes[names[1], names[0]]
-        root = Fraction(isqrt(square.numerator), isqrt(square.denominator)) if square > 0 else Fraction(0)
-        return ("imaginary_limit", str(root) if root**2 == square else f"sqrt({square})") if square > 0 else None
-    return None
 
 
 def is_bound(before: str) -> bool:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, lru_cache
+from math import isqrt
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
@@ -15,7 +17,7 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
-from driftproof.texts.questions.wording import COEFFICIENT, names_that_ask
+from driftproof.texts.questions.wording import COEFFICIENT, LARGEST_STEP, names_that_ask
 
 if TYPE_CHECKING:
     from driftproof.enclosure.multistep_runs import StartedMultistep
@@ -235,6 +237,42 @@ def _exact(context: QueryContext) -> Answer:
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
+def limit_of_rates(rates: Mapping[str, str]) -> tuple[str, str] | None:
+    """The limit and the size of y' = -size y or x'' = -size² x, None for other rates."""
+    from driftproof.methods.field_text import rate_of_text
+    from driftproof.methods.vector_fields import partial_derivative
+
+    slopes = dict[tuple[str, str], Fraction]()
+    with suppress(ValueError, LookupError, ZeroDivisionError):
+        for of, rate in rates.items():
+            for by in rates:
+                slope = value(partial_derivative(rate_of_text(rate, {name: name for name in rates}), by)).exact
+                slopes[of, by] = slope if isinstance(slope, Fraction) else Fraction(0) / 0
+    names = [*rates]
+    if len(names) == 1 and (c := slopes.get((names[0], names[0]), 0)) < 0:
+        return "real_limit", str(-c)
+    if len(names) == 2 and len(slopes) == 4 and not (slopes[names[0], names[0]] or slopes[names[1], names[1]]):
+        square = -slopes[names[0], names[1]] * slopes[names[1], names[0]]
+        root = Fraction(isqrt(square.numerator), isqrt(square.denominator)) if square > 0 else Fraction(0)
+        return ("imaginary_limit", str(root) if root**2 == square else f"sqrt({square})") if square > 0 else None
+    return None
+
+
+def _largest_step(context: QueryContext) -> Answer:
+    """Answers `largest stable step METHOD y'=-25y`: the limit of the method on an axis over the size of the problem."""
+    from driftproof.texts.questions.arithmetic import OPERATIONS, applied
+
+    context.require_only(parts=("problem", "start"))
+    query = context.query
+    found = limit_of_rates(dict(zip(query.unknowns, (rate.text for rate in query.rates), strict=True)))
+    if found is None:
+        said = "the largest stable step is known of y' = -cy and x'' = -cx; for others there is driftproof stability"
+        raise context.error(context.about_problem, f"{said} mine.toml")
+    of_method = replace(query, head=query.head._replace(text=found[0]), rates=(), start=None, unknowns=())
+    limit = _fact(QueryContext(of_method, context.text))
+    return applied(OPERATIONS["/"], limit, value(found[1])) if limit.is_number else limit
+
+
 def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import coefficient, fact
 
@@ -242,7 +280,7 @@ def _fact(context: QueryContext) -> Answer:
 
 
 # Heads of queries that are not facts -> the function that answers them.
-_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact}
+_QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, LARGEST_STEP: _largest_step}
 
 
 def vocabulary() -> str:

@@ -56,6 +56,11 @@ _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 LARGEST_POWER_ASKED = 10**6
 
 
+# The equations of a question, and its settings behind them.
+_STATED = re.compile(r"\b\w+''?(?:\(t\))? ?=.*")
+_SETTINGS = re.compile(r",?(?: with| at)? (?<!\w)[htN] ?= ?[0-9./]+")
+
+
 @dataclass(frozen=True)
 class Query:
     """The query HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; absent parts are None.
@@ -186,6 +191,8 @@ class _QuestionParser(PieceParser):
                 raise self.error(name, wording.PHASE_PER_STEP.replace("METHOD", methods[0]))
             parts["readout"] = head._replace(text=wording.READOUT_WORDS[readout])
             head = head._replace(text="step" if readout in wording.LOCAL or readout != head.text else "run")
+        elif head.text == wording.LARGEST_STEP:
+            parts["start"] = dict.fromkeys(parts["rates"], Fraction(0)) | parts["start"]
         elif wording.SLOPE.fullmatch(head.text):
             parts["readout"], head = head, head._replace(text="step")
         elif ":" in head.text:
@@ -220,13 +227,20 @@ class _QuestionParser(PieceParser):
         if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
             text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
         if text in wording.AMBIGUOUS_FACTS:
+            stated = _STATED.search(self.text)
+            if stated and wording.AMBIGUOUS_FACTS[text] == wording.LIMITS and wording.STEP_LIMITS.fullmatch(text):
+                return name._replace(text=wording.LARGEST_STEP)
             rest = (self.method_name(x) for x in iter(self.take, self.tokens[-1]) if x.text not in wording.SAY_NOTHING)
             named = (x for x in rest if len(keys_of_name(x.text)) == 1 or x.text.endswith(".toml"))
             of_it = parts.get("subject") or next(named, None)
             said = self.text[max(of_it.column - 2, 0) : of_it.end].strip(" ,()") if of_it else "METHOD"
-            raise self.error(
-                name, f"{text} may mean {wording.AMBIGUOUS_FACTS[text].replace('METHOD', said)}: say which"
-            )
+            meant = wording.AMBIGUOUS_FACTS[text].replace("METHOD", said)
+            if stated:  # ready to be asked of the problem, at its time
+                end = next(iter(re.findall(r"(?<!\w)t ?= ?[0-9./]+", self.text)), "t=1")
+                meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(
+                    " t=1", f", {end}"
+                )
+            raise self.error(name, f"{text} may mean {meant}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self, parts: Mapping[str, Any]) -> bool:

@@ -158,7 +158,9 @@ class QueryContext:
             token = token._replace(text=f"{token.text}0")  # a single unknown
         if token.text not in table:
             hint = did_you_mean(token.text, table)
-            if self.query.rates and token.text in ("energy", "energy_change", "relative_energy_change"):
+            if self.about_problem is None and token.text.startswith("largest_"):
+                hint = self.ask_for(" on q'=v, v'=-q, q(0)=1, v(0)=0, energy=(q^2+v^2)/2")
+            elif self.query.rates and "energy" in token.text:
                 hint = "; add what it is, as in energy=v^2/2 + x^2"
             raise self.error(token, f"{token.text[:40]!r} is not a readout of {self.head}; {names}{hint}")
         return table[token.text]

@@ -59,6 +59,8 @@ FACT_WORDS = {
 # Ambiguous name -> what it may mean, as error messages show it.
 _LINES = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
 LIMITS = f"{_LINES}; for a problem of your own there is driftproof stability mine.toml"
+# Of these the limit of h on a problem that the question states: the head of such a question.
+LARGEST_STEP, STEP_LIMITS = "largest_step", re.compile("h_limit|.*step.*|.*_h|stability_limit")
 _KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"

@@ -15,6 +15,9 @@ from tests.texts.questions.refusals import require_refusal
 
 DECAY = "run heun2 rates=(-y0) from 1 h=1/10 t=1 : state_error"
 SAME = {
+    "largest stable step of Euler on T'=-25(T-20)": "2/25",
+    "stability limit of RK4 for x'' = -4 x": "imaginary_limit rk4 / 2",
+    "maximal step of backward Euler on y'=-y, y(0)=1": "real_limit backward_euler",
     "error of Heun with h=0.1 at t=1 on y'=-y, y(0)=1": DECAY,
     "Heun's method y'=-y, y(0)=1, h=0.1, t=1 : error": DECAY,
     "run Heun y' = -y y(0) = 1 dt=0.1 T=1 : global error": DECAY,
@@ -128,6 +131,10 @@ def test_question_in_other_words_has_the_same_answer(question):
 
 REFUSED = [
     ("stability limit of RK4", 1, "may mean real_limit RK4 (largest hλ on y' = -λy) or imaginary_limit RK4"),
+    ("largest stable step of RK4 on y'=-sin(y)", 34, "the largest stable step is known of y' = -cy and x'' = -cx"),
+    ("stability interval of RK4 on y'=-y", 1, "stability_interval may mean real_limit RK4"),
+    ("observed order of RK4 at t=5 on y'=-y, y(0)=1", 1, "(run RK4 y'=-y, y(0)=1, h=1/10, t=5 : error, run RK4 y'=-y"),
+    ("largest energy change of RK4 on y'=-y, y(0)=1, h=1, t=1", 1, "slope.y, k1.y, k2.y, k3.y, k4.y; add what it is"),
     ("error of Heun with h=0.1 at t=1 on y'=-y", 1, "y(0) = ... is missing, as in y'=-y, y(0)=1"),
     ("run rk4 y(0)=1 h=1 t=1 : y", 1, "y' = ... is missing"),
     ("run rk4 y'=-y y'=-y y(0)=1 h=1 t=1 : y", 15, "'y' is given twice"),
@@ -184,6 +191,7 @@ def test_what_is_said_of_a_question_that_lacks_something(question, column, reaso
 
 
 LACKING = {
+    "largest error of Heun h=0.1 t=2": " on q'=v, v'=-q, q(0)=1, v(0)=0, energy=(q^2+v^2)/2",
     "one step of RK4": " h=1/2 : q", "RK4 with h = 0.1": " N=10 : q", "RK4 with h = 0.1 at t = 1?": " : q",
     "10 steps of Euler": " h=0.1 : q", "run rk4": " h=0.1 t=1 : q", "run rk4 : v": " h=0.1 t=1 : v",
     "a step of Heun with h=0.1 on y'=-y, y(0)=1": " : y", "local error of Heun": " h=1/2", "exact t=1": " : q",
