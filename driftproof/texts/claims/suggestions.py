@@ -238,8 +238,8 @@ class Suggestions(LookAlikes):
             named = {x: y for x, y in named.items() if abs(number.value - Fraction(y)) > abs(Fraction(y)) / 10}
             found = self._misfit(number, named)
             return found if len({*found.values()}) == 1 else {}
-        if moved := self._moved(number, named):
-            return moved
+        if other := self._moved(number, named) or self._exchanged(number, named):
+            return other
         near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
         found = near if sure else {}
         place = self._place_of(number)
@@ -260,6 +260,21 @@ class Suggestions(LookAlikes):
         if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
             found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
+
+    def _across(self, number: TextNumber) -> list[TextNumber]:
+        """The other numbers of its row that the text does not choose."""
+        row = self.tables.row_of(number)
+        found = [x for x in self._numbers if row and row[0].start <= x.start < row[-1].end and x != number]
+        return [x for x in found if self._place_of(x).quantity != "chosen"]
+
+    def _exchanged(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
+        """The value that the place names, if a number of its row has it, and this number the value named there."""
+        alike = {one.question for one in self.look_alikes(number)}
+        for other in self._across(number):
+            if any(known.stated and known.question in alike for known in self._meant_at(other)):
+                theirs = {one.question for one in self.look_alikes(other)}
+                return {x: y for x, y in named.items() if x in theirs}
+        return {}
 
     def _moved(self, number: TextNumber, named: Mapping[str, str]) -> dict[str, str]:
         """The values that the place names, at most two, of these digits with the point or the power elsewhere."""
@@ -295,8 +310,7 @@ class Suggestions(LookAlikes):
             if found:
                 return found
         row = self.tables.row_of(number)
-        across = [x for x in self._numbers if row and row[0].start <= x.start < row[-1].end and x != number]
-        across = [x for x in across if self._place_of(x).quantity != "chosen"]
+        across = self._across(number)
         kinds = Counter(_METHOD_AND_START.sub("", without_sizes(x)) for x in (*held, *self._held(across)))
         own, fewest = {without_sizes(x) for x in held}, max(3, (len(beside) + len(across)) / 2)
         sure = {x: without_sizes(x) for x in named if row and without_sizes(x) in own}
