@@ -30,6 +30,11 @@ _ABOUT = r"(?:about |roughly |nearly |almost |approximately )?"
 _CALLED = (
     r" order (?:accurate |explicit |implicit )*(?:(?:adams \w+|runge kutta|bdf)(?: method| scheme| formula)? \(?)?"
 )
+# Behind the name of a method that is no part of a longer name, as in "a second-order RK4 comparison".
+_ENDS_NAME = (
+    r"(?:'s)?(?: ?(?:[.,;:()|]|\Z)| (?:methods?|rules?|schemes?|formulas?|integrators?|steps?|is|was|has|had|and|or|but|"
+    r"with|for|at|on|in|to|of|needs?|gives?|uses?|takes?|makes?|reaches|does|can|will|which|that|as|by|than)\b)"
+)
 _ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| method| scheme| integrator)")
 # Before a step that gets smaller, or larger; and the step sizes from one to another.
 _GETS = {
@@ -71,7 +76,7 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
             return None
         verb = rf"{_IS_OF}| of " if _SAID_BEFORE.search(before) else _IS_OF  # RK4 is of fourth order, Heun of second
         name = name_before(before, verb) if _ENDS_ORDER.match(after) else None
-        name = name or (_name_behind(after, _CALLED) if adjective else None)
+        name = name or (_name_behind(after, _CALLED, _ENDS_NAME) if adjective and not before.endswith("'s ") else None)
         listed = names_before(before, _ARE_OF) if _ENDS_ORDER.match(after) else []
         own = methods_named(name) if name else methods_named(", ".join(listed)) if listed[1:] else set[str]()
         return fact_of("order", own) if own else None
@@ -95,11 +100,11 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     return f"{inverse}power(2, {order})" if order else None
 
 
-def _name_behind(after: str, words: str) -> str | None:
-    """The name of a method behind these words, with which the rest of a sentence begins."""
+def _name_behind(after: str, words: str, ends: str = "") -> str | None:
+    """The name of a method behind these words, with which the rest of a sentence begins, before what `ends` it."""
     said = re.match(words, after)
     name = spoken_names().match(after, said.end()) if said else None
-    return name[0] if name else None
+    return name[0] if name and re.match(ends, after[name.end() :]) else None
 
 
 def gap_to_number(before: str, after: str) -> bool:

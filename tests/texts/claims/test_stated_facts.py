@@ -79,6 +79,7 @@ LIMITS = "y' = -50y:\n\n| method | largest stable h |\n|---|---|\n| Euler | 0.04
         ('"Kutta 3" is Kutta\'s method of order [two].', "order kutta3", "three"),
         ("Heun's method is of [third] order.", "order heun2", "two"),
         ("Use the [third]-order Adams-Bashforth method AB2.", "order adams_bashforth2", "two"),
+        ("In Taylor's [second]-order RK4 comparison it is small.", None, None),
         ("Halving the step [doubles] the error of Euler.", "1/power(2, order forward_euler)", "half"),
         ("Halving the step [halves] the error of Euler.", "1/power(2, order forward_euler)", None),
         ("Doubling the step [doubles] the error of Euler.", "power(2, order forward_euler)", None),
