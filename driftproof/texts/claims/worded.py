@@ -32,8 +32,8 @@ _CALLED = (
 )
 # Behind the name of a method that is no part of a longer name, as in "a second-order RK4 comparison".
 _ENDS_NAME = (
-    r"(?:'s)?(?: ?(?:[.,;:()|]|\Z)| (?:methods?|rules?|schemes?|formulas?|integrators?|steps?|is|was|has|had|and|or|but|"
-    r"with|for|at|on|in|to|of|needs?|gives?|uses?|takes?|makes?|reaches|does|can|will|which|that|as|by|than)\b)"
+    r"(?:'s)?(?: ?(?:[.,;:()|]|\Z)| (?:methods?|rules?|schemes?|formulas?|integrators?|steps?|is|was|has|had|and|or|"
+    r"but|with|for|at|on|in|to|of|needs?|gives?|uses?|takes?|makes?|reaches|does|can|will|which|that|as|by|than)\b)"
 )
 _ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| method| scheme| integrator)")
 # Before a step that gets smaller, or larger; and the step sizes from one to another.
