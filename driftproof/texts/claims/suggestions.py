@@ -310,7 +310,7 @@ class Suggestions(LookAlikes):
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
         if known.numbers:
             return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
-        return digits > 3 and 0 < known.most == self._fits(number)[known.question]
+        return digits > 3 and 0 < known.most == self.names_near(number)[known.question]
 
     @cached_property
     def _stated_values(self) -> set[str]:
