@@ -119,7 +119,8 @@ def names_problem(given: object) -> bool:
 
 def _problem(table: TomlTable, name: str) -> Problem:
     field, given, energy, unknowns = problem_table(table)
-    exactly = {"end": number_entry(table.get("end"), "end")} | {f"start[{i}]": x for i, x in enumerate(given)}
+    places = [f"start.{unknown}" for unknown in unknowns] or [f"start[{i}]" for i in range(len(given))]
+    exactly = {"end": number_entry(table.get("end"), "end"), **dict(zip(places, given, strict=True))}
     end, *start = map(nearest, exactly.values())
     if end <= 0:
         raise ValueError(f"end is {brief(end)}; it must be above 0, where problems begin")

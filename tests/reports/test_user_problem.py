@@ -253,7 +253,7 @@ def test_an_end_and_a_start_may_be_irrational_and_runs_take_the_nearest_doubles(
     given = {"rates": {"q": "v", "v": "-q"}, "start": {"q": "pi/4", "v": "sqrt(2)"}, "end": "2*pi"}
     found = problem_given(given)
     assert (found.t, found.start) == (Fraction(2 * math.pi), (Fraction(math.pi / 4), Fraction(math.sqrt(2))))
-    said = "own, with end = 6.283185307179586, start[0] = 0.7853981633974483, start[1] = 1.4142135623730951"
+    said = "own, with end = 6.283185307179586, start.q = 0.7853981633974483, start.v = 1.4142135623730951"
     assert found.title == f"{said}, nearest doubles"
     with workdps(30):
         q, v, t = map(mpf, (math.pi / 4, math.sqrt(2), 2 * math.pi))

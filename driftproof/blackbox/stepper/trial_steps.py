@@ -140,20 +140,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     """The subject after a trial step, with the format of its answers and only the log entries needed to read them."""
     end = trial(subject, TRIAL_STEP)
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
-    if subject.convention.run and calling.GRID not in subject.convention.order:  # a count of steps, or of numbers
-        two: Sequence[float] = []
-        still = calling.POSITION in subject.convention.order and end[0] == TRIAL_STATE[0]
-        required = subject.log.works_in_place or still  # other runs may have a fault, which is told later
-        with nullcontext() if required else suppress(Misbehaviour):
-            two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
-        if np.array_equal(two, end) or (two and [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]):
-            raise WrongAnswer("a run of two steps ends where one of one step does, or moves more numbers")
-    if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
-        raise WrongShape("z moves as q - i v")
-    if subject.adapter in SYSTEMS:
-        start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
-        if not np.allclose(subject.step_state(start, TINY**8), start, rtol=0, atol=NEAR):
-            raise WrongAnswer(f"{len(start)} numbers jump, however short the step is")
+    _require_steps_of_run(subject, trial, end)
+    _require_state_kept(subject, end)
     if subject.log.carried is not None:
         _require_slope_at_end(subject, end)
         _require_time_of_end(subject, TRIAL_STATE[: len(end)])
@@ -162,25 +150,64 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if kept := getattr(subject.function, "upkeep", ("", ()))[1]:
         line = kept_wrapper(kept, subject.function.advance)  # type: ignore[attr-defined]
         raise OwnClock(f"a step depends on what it keeps from the last one, {', '.join(kept)}{line}")
-    read_as = subject.convention
-    if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
-        ends = trial(subject, TINY), end  # the longer step moves away
-        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=NEAR) for x in ends] == [True, False]:
-            order = read_as.order
-            if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
-                line = call_wrapper(subject, "v1, q1 = {}; return q1, v1")
-                raise Exchanged(f"it returns (v1, q1), the velocity first{line}")
-            turned_round = replace(subject, convention=replace(read_as, velocity_first=True), log=CallLog())
-            return _after_trial(turned_round, trial)
-    turned = read_as.kind == calling.FORCE and end[1] < 0 and trial(subject, TINY)
+    if _returns_velocity_first(subject, trial, end):
+        of_velocity_first = replace(subject.convention, velocity_first=True)
+        return _after_trial(replace(subject, convention=of_velocity_first, log=CallLog()), trial)
+    _require_no_increment(subject, trial, end)
+    return _as_read(subject)
+
+
+def _require_steps_of_run(subject: ForeignStepper, trial: TrialStep, end: Sequence[float]) -> None:
+    """Raise WrongAnswer if the run of two steps ends where that of one does: no count of steps, but of numbers."""
+    convention = subject.convention
+    if not convention.run or calling.GRID in convention.order:
+        return
+    two: Sequence[float] = []
+    still = calling.POSITION in convention.order and end[0] == TRIAL_STATE[0]
+    required = subject.log.works_in_place or still  # other runs may have a fault, which is told later
+    with nullcontext() if required else suppress(Misbehaviour):
+        two = trial(replace(subject, convention=convention.of_steps(2), log=CallLog()), TRIAL_STEP)
+    if np.array_equal(two, end) or (two and [*end[1:]] == [*TRIAL_STATE[1 : len(end)]] != [*two[1:]]):
+        raise WrongAnswer("a run of two steps ends where one of one step does, or moves more numbers")
+
+
+def _require_state_kept(subject: ForeignStepper, end: Sequence[float]) -> None:
+    """Raise WrongShape for a complex state read the wrong way, WrongAnswer if a short step moves a whole system."""
+    if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
+        raise WrongShape("z moves as q - i v")
+    if subject.adapter in SYSTEMS:
+        start = adapters.as_array(subject.adapter.write(TRIAL_STATE)).tolist()
+        if not np.allclose(subject.step_state(start, TINY**8), start, rtol=0, atol=NEAR):
+            raise WrongAnswer(f"{len(start)} numbers jump, however short the step is")
+
+
+def _returns_velocity_first(subject: ForeignStepper, trial: TrialStep, end: Sequence[float]) -> bool:
+    """True for a step of (v, q) that returns (v1, q1). Raises Exchanged for one of (q, v) that does."""
+    convention, order = subject.convention, subject.convention.order
+    if convention.kind not in (calling.MAP, calling.FORCE) or end[0] >= end[1] or convention.velocity_first:
+        return False
+    ends = trial(subject, TINY), end  # the longer step moves away
+    if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=NEAR) for x in ends] != [True, False]:
+        return False
+    if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
+        line = call_wrapper(subject, "v1, q1 = {}; return q1, v1")
+        raise Exchanged(f"it returns (v1, q1), the velocity first{line}")
+    return True
+
+
+def _require_no_increment(subject: ForeignStepper, trial: TrialStep, end: Sequence[float]) -> None:
+    """Raise Exchanged if a step turns the velocity round, Increment if it returns what is to be added to the state."""
+    turned = subject.convention.kind == calling.FORCE and end[1] < 0 and trial(subject, TINY)
     if turned and np.allclose(turned, np.array(TRIAL_STATE) * (1, -1), rtol=0, atol=NEAR):
         line = call_wrapper(subject, "q1, v1 = {}; return q1, -v1")
         raise Exchanged(f"it returns (q1, -v1), the velocity turned around{line}")
-    moved = np.max(np.abs(end))
-    if (
-        0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, TINY**4))) < NEAR
-    ):  # a stiff state decays in longer ones
+    # A stiff state decays in longer steps.
+    if 0 < np.max(np.abs(end)) < _SUSPICIOUS and np.max(np.abs(trial(subject, TINY**4))) < NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
+
+
+def _as_read(subject: ForeignStepper) -> ForeignStepper:
+    """The subject with what the log of its trials says of its calls and its answers."""
     asks, timed = subject.log.asks, subject.log.timed
     subject.format = format_of_answers(subject.log)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -33,6 +33,7 @@ from driftproof.texts.claims.named_places import NamedPlaces
 from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, spelled
 from driftproof.texts.claims.places import (
     COMPARED,
+    Place,
     asked_quantity,
     asked_settings,
 )
@@ -47,11 +48,9 @@ from driftproof.texts.claims.stated_facts import (
 )
 from driftproof.texts.claims.worded import fact_in_word, gap_to_number, signed_by
 from driftproof.texts.readers.number_words import PERCENT, is_trend, trend_said, words_said_in
-from driftproof.texts.readers.numbers import TextNumber, numbers_in
+from driftproof.texts.readers.numbers import TextNumber
 from driftproof.texts.values.published import published_values
 
-# Characters on each side of a number that are searched for the names of a value: about a line.
-_NEIGHBOURHOOD = 100
 # Characters between two numbers that are said of one run: about two sentences.
 BESIDE = 200
 # Characters between a number and the word that says what becomes of it, as in "0.2 mV too low".
@@ -73,6 +72,38 @@ class LookAlike:
     question: str
     form: NumberForm
     strong: bool
+
+
+@dataclass(frozen=True)
+class _Here:
+    """One number x, the values that are written `alike`, and what decides between them.
+
+    `fits` counts the names of each value that stand near, `ranked` the values by rank and fit. The place means those in
+    `meant`, of which `stated` ones are of the text's problem, and `wholes` of no single unknown. It names a `fact`,
+    which is the `sole` meaning of its words; a `bound` of step sizes may be `unsafe`.
+    """
+
+    number: TextNumber
+    x: Fraction
+    form: NumberForm
+    digits: int
+    place: Place
+    alike: Sequence[KnownValue]
+    fits: Mapping[str, int]
+    ranked: Mapping[tuple[int, int], int]
+    meant: Sequence[KnownValue]
+    stated: Sequence[KnownValue]
+    wholes: Sequence[KnownValue]
+    fact: str | None
+    sole: str | None
+    bound: bool
+    unsafe: bool
+    joint: KnownValue | None
+    asked_alone: KnownValue | None
+    unsaid_runs: bool
+    of_no_method: bool
+    not_run: bool
+    not_signed: set[str]
 
 
 class LookAlikes(NamedPlaces):
@@ -110,13 +141,16 @@ class LookAlikes(NamedPlaces):
         return self._alike[number.start]
 
     def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
-        fits = self._fits(number)
-        form, found, digits, ids = (
-            form_of(number, self.text),
-            [],
-            digits_told(number, self.text),
-            published_values(),
-        )
+        here = self._here(number, x)
+        weighed = sorted((self._weighed(known, here) for known in here.alike), key=lambda pair: pair[0])
+        alikes = [alike for _, alike in weighed]
+        if not here.fact or here.unsafe or (alikes[:1] and alikes[0].strong):
+            return alikes
+        is_fact = spelled(number) in self.fact_spelled(here.fact, here.form)
+        return [LookAlike(here.fact, here.form, strong=True), *alikes] if is_fact else alikes
+
+    def _here(self, number: TextNumber, x: Fraction) -> _Here:
+        """What decides between the values that the number looks like."""
         percent = re.compile(PERCENT).match(self._lower, number.end) is not None
         possible = [
             k
@@ -124,78 +158,104 @@ class LookAlikes(NamedPlaces):
             if not (k.keys and k.keys <= self._not_meant)
             and ((k.answer.unit == "%") == percent or (k.question in self.values.asked and not percent))
         ]
-        meant, head = self._meant_at(number), self.tables.column_of(number)
-        place = self._place_of(number)
-        of_own = place.unknown in self._unknowns.values()
-        placed, fact = place.sure and any(known.stated for known in meant), self._fact_at(number)
-        sole = None if fact and "*" in fact else fact  # a number of evaluations is also that of a run
+        written = self.values.written_like(number)
+        alike, digits = {each.question for each in written}, digits_told(number, self.text)
+        place, fact, meant = self._place_of(number), self._fact_at(number), self._meant_at(number)
         before, _ = sentence_around(self._lower, number.start, number.end)
-        bound = is_bound(before)
-        unsafe = bound and fact and self._is_unsafe(number, fact, before)
-        stated = [each for each in meant if each.stated]
-        wholes = [each for each in stated if not (place.unknown or asked_quantity(each.question)[1])]
-        kinds = {without_sizes(each.question) for each in stated}
-        unsaid = self._is_of_unsaid_runs(number)
-        signed, few = (
-            self.is_signed(number),
-            digits < 3 and len(digits_of(number.text)) > (place.settings.get("t") != 0),
-        )
-        joint = self.only_meant(number) if few and (self.agrees_jointly(number) or self.says_all(number)) else None
-        here = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
-        ranked = Counter((each.rank, fits[each.question]) for each in here)
-        alike = {each.question for each in self.values.written_like(number)}
-        exactly = any(self._is_exact(each, number) for each in self.values.written_like(number))
+        stated, bound, fits = [each for each in meant if each.stated], is_bound(before), self.names_near(number)
+        counted = [each for each in possible if digits < 3 or not each.keys or each.keys & place.methods]
+        few = digits < 3 and len(digits_of(number.text)) > (place.settings.get("t") != 0)
+        jointly = few and (self.agrees_jointly(number) or self.says_all(number))
         of_author = [each for each in possible if each.rank == 2 and each.question in alike]
         is_setting = place.quantity == "chosen" or _SET.search(before)
-        sole_asked = of_author[0] if len(of_author) == 1 and not is_setting else None
-        not_run = bool(place.methods) and place.methods.isdisjoint(self._methods_run)  # as a splitting with friction
-        unnamed, either_sign = self._is_of_unnamed_method(number), self._of_either_sign(number)
-        for known in (each for each in possible if each.question in alike):
-            fit, asked = fits[known.question], known.chosen is not None
-            rivals = sum(many for (rank, own), many in ranked.items() if rank >= known.rank and own >= fit)
-            own = place.methods if place.own else self.methods_beside(number) if known.keys > place.methods else ()
-            denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            denied &= not (asked and known.keys and known.keys <= {*own})
-            denied = known.question != sole if sole else denied | (known.stated and place.denies(known.question))
-            denied |= place.is_of_others(known.question) or (bool(known.keys) and (exactly or unnamed))
-            denied |= asked and self._is_of_another_cell(known.question, number)
-            denied |= known.question.lstrip("-") in either_sign or (signed and "abs(" in known.question)
-            denied |= bound and not sole and not known.question.lstrip("-").startswith(LIMITS_OF_METHODS)
-            denied |= self._changes_otherwise(known, number)
-            denied |= known.stated and bool(known.keys) and not_run
-            # One digit of an unknown of the text's own problem is nothing of the lesson's.
-            denied |= len(digits_of(number.text)) < 2 and of_own and _of_lesson(known)
-            denied |= known.rank < 2 and (place.is_of_another(known.question) or self._compares_others(known, number))
-            rivals = min(rivals, len(meant)) if asked and known in meant else rivals
-            sizes = place.named_of(known.question)["h"]
-            other = without_sizes(known.question) in kinds and sizes and place.settings.get("h", sizes[0]) not in sizes
-            elsewhere = known.stated and known not in meant and (placed or other or unsaid)
-            elsewhere &= not self._is_exact(known, number)
-            only = known.stated and [known] in (stated, wholes)
-            telling = len(digits_of(number.text)) if only else digits
-            if known is sole_asked and 0 < fit == known.most:  # whatever zeros at its end; its power is told, too
-                telling = len(digits_of(number.text)) + ("e" in spelled(number))
-            likely = known.is_meant(x, telling, fit, rivals) or known is joint
-            strong = likely and not denied and not elsewhere
-            named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
-            guessed = not (asked or named) or (known.rank < 2 and place.quantity == "chosen")
-            strong = not unsafe and (known.question == sole if sole else strong and not guessed)
-            unpublished = known.question not in ids
-            first = -known.rank * (strong or known.rank == 2)
-            headed = any(name in head for name in known.names)  # order under "order", not the number of stages
-            # In two digits an error is like the value itself, whose name it lacks.
-            no_error = asked_quantity(known.question)[0] == "error" != place.quantity and bool(place.own)
-            order = first, denied, not headed, not strong, no_error, known not in meant and unpublished, -fit
-            last = known.answer.exact != x, unpublished, len(known.question), known.question
-            found.append(((*order, *last), LookAlike(known.question, form, strong)))
-        alikes = [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
-        is_fact = (
-            fact
-            and not unsafe
-            and not (alikes[:1] and alikes[0].strong)
-            and spelled(number) in self.fact_spelled(fact, form)
+        return _Here(
+            number,
+            x,
+            form_of(number, self.text),
+            digits,
+            place,
+            alike=[each for each in possible if each.question in alike],
+            fits=fits,
+            ranked=Counter((each.rank, fits[each.question]) for each in counted),
+            meant=meant,
+            stated=stated,
+            wholes=[x for x in stated if not (place.unknown or asked_quantity(x.question)[1])],
+            fact=fact,
+            sole=None if fact and "*" in fact else fact,  # a number of evaluations is also that of a run
+            bound=bound,
+            unsafe=bool(bound and fact and self._is_unsafe(number, fact, before)),
+            joint=self.only_meant(number) if jointly else None,
+            asked_alone=of_author[0] if len(of_author) == 1 and not is_setting else None,
+            unsaid_runs=self._is_of_unsaid_runs(number),
+            of_no_method=any(self._is_exact(x, number) for x in written) or self._is_of_unnamed_method(number),
+            not_run=bool(place.methods) and place.methods.isdisjoint(self._methods_run),  # as a splitting with friction
+            not_signed=self._of_either_sign(number),
         )
-        return [LookAlike(fact, form, strong=True), *alikes] if fact and is_fact else alikes
+
+    def _weighed(self, known: KnownValue, here: _Here) -> tuple[tuple[object, ...], LookAlike]:
+        """A value that is written like the number, and its place among these; smaller is better."""
+        denied, fit, place = self._is_denied(known, here), here.fits[known.question], here.place
+        likely = known is here.joint or self._is_likely(known, here)
+        named = place.names(known.question, known.keys, self._sizes) if known.keys else fit == known.most
+        guessed = (known.chosen is None and not named) or (known.rank < 2 and place.quantity == "chosen")
+        strong = likely and not denied and not guessed and not self._is_elsewhere(known, here)
+        strong = not here.unsafe and (known.question == here.sole if here.sole else strong)
+        unpublished = known.question not in published_values()
+        first = -known.rank * (strong or known.rank == 2)
+        head = self.tables.column_of(here.number)
+        headed = any(name in head for name in known.names)  # order under "order", not the number of stages
+        # In two digits an error is like the value itself, whose name it lacks.
+        no_error = asked_quantity(known.question)[0] == "error" != place.quantity and bool(place.own)
+        order = first, denied, not headed, not strong, no_error, known not in here.meant and unpublished, -fit
+        last = known.answer.exact != here.x, unpublished, len(known.question), known.question
+        return (*order, *last), LookAlike(known.question, here.form, strong)
+
+    def _is_likely(self, known: KnownValue, here: _Here) -> bool:
+        """True if the number hardly looks like this value by chance."""
+        asked, fit = known.chosen is not None, here.fits[known.question]
+        rivals = sum(many for (rank, own), many in here.ranked.items() if rank >= known.rank and own >= fit)
+        rivals = min(rivals, len(here.meant)) if asked and known in here.meant else rivals
+        written, telling = len(digits_of(here.number.text)), here.digits
+        if known.stated and [known] in (here.stated, here.wholes):
+            telling = written
+        if known is here.asked_alone and 0 < fit == known.most:  # whatever zeros at its end; its power is told, too
+            telling = written + ("e" in spelled(here.number))
+        return known.is_meant(here.x, telling, fit, rivals)
+
+    def _is_elsewhere(self, known: KnownValue, here: _Here) -> bool:
+        """True for a value of the text's problem, if the place names another one, or another step size for its kind."""
+        if not known.stated or known in here.meant:
+            return False
+        kinds, asked = {without_sizes(each.question) for each in here.stated}, here.place.named_of(known.question)["h"]
+        same_kind = without_sizes(known.question) in kinds
+        other = same_kind and bool(asked) and here.place.settings.get("h", asked[0]) not in asked
+        named = here.place.sure and bool(here.stated)
+        return (named or other or here.unsaid_runs) and not self._is_exact(known, here.number)
+
+    def _is_denied(self, known: KnownValue, here: _Here) -> bool:
+        """True if what is said where the number stands is said of something else than this value."""
+        number, place, question = here.number, here.place, known.question
+        return (
+            (question != here.sole if here.sole else self._is_contradicted(known, here))
+            or place.is_of_others(question)
+            or (bool(known.keys) and (here.of_no_method or (known.stated and here.not_run)))
+            or (known.chosen is not None and self._is_of_another_cell(question, number))
+            or question.lstrip("-") in here.not_signed
+            or ("abs(" in question and self.is_signed(number))
+            or (here.bound and not here.sole and not question.lstrip("-").startswith(LIMITS_OF_METHODS))
+            or self._changes_otherwise(known, number)
+            # One digit of an unknown of the text's own problem is nothing of the lesson's.
+            or (known.of_lesson and len(digits_of(number.text)) < 2 and place.unknown in self._unknowns.values())
+            or (known.rank < 2 and (place.is_of_another(question) or self._compares_others(known, number)))
+        )
+
+    def _is_contradicted(self, known: KnownValue, here: _Here) -> bool:
+        """True if the sentence names another method or time, but for values that are asked of its own methods."""
+        number, place, asked = here.number, here.place, known.chosen is not None
+        own = place.methods if place.own else self.methods_beside(number) if known.keys > place.methods else ()
+        of_own = asked and bool(known.keys) and known.keys <= {*own}
+        said = not of_own and contradicted(known.question, self._lower, number.start, number.end, asked)
+        return said or (known.stated and place.denies(known.question))
 
     def fact_spelled(self, fact: str, form: NumberForm) -> list[str]:
         """What a fact is, spelled in this form; [] for none or a tie."""
@@ -346,55 +406,10 @@ class LookAlikes(NamedPlaces):
         signs = {signed_by(one, far.removesuffix(before), before, after) for one in alike}
         return signs.pop() if len(signs) == 1 else None
 
-    def _fits(self, number: TextNumber) -> dict[str, int]:
-        """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
-        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
-        near += f" | {self.tables.column_of(number)}"
-        stand = {name for name, said in self._all_names.items() if said.search(near)}
-        single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
-        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
-            said = " ".join(sentence_around(self._lower, number.start, number.end))
-            single = {name for name in stand if not self._all_names[name].search(said)}
-        spoken, line = methods_named(near), self._on_line_of(number)
-        return {
-            known.question: sum(x in stand and not (x in single and _of_lesson(known)) for x in known.names)
-            + sum(not line.isdisjoint(x) for x in known.numbers)
-            + sum(not spoken.isdisjoint(x) for x in known.methods)
-            for known in self.values.known
-        }
-
-    @cached_property
-    def _all_names(self) -> dict[str, re.Pattern[str]]:
-        return {name: re.compile(rf"(?<![a-z]){name}") for known in self.values.known for name in known.names}
-
-    def _on_line_of(self, number: TextNumber) -> set[Fraction]:
-        """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
-        if not (self.values.asked or self.values.stated):  # then no value has numbers of its own
-            return set()
-        line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
-        return line | ({*self._place_of(number).settings.values()} if self.tables.row_of(number) else set())
-
-    @cached_property
-    def _lines(self) -> list[list[tuple[int, Fraction]]]:
-        """For each line of the text, its numbers with their positions."""
-        lines, at = list[list[tuple[int, Fraction]]](), 0
-        for line in re.split("(?<=\n)", self.text):
-            lines.append([])
-            for number in numbers_in(line):
-                with suppress(ValueError, ZeroDivisionError):
-                    lines[-1].append((at + number.start, number.value))
-            at += len(line)
-        return lines
-
 
 def without_sizes(question: str) -> str:
     """The question without its step size and time."""
     return _SIZE.sub("", question)
-
-
-def _of_lesson(known: KnownValue) -> bool:
-    """True for what a run of the lesson gives, no fact and of no problem of the text."""
-    return known.rank == 0 and (" : " in known.question or "." in known.question.partition(" ")[0])
 
 
 def printed(done: Calculation, number: TextNumber) -> list[str]:

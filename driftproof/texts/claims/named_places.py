@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -34,6 +35,8 @@ from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.number_words import PERCENT
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
+# Characters on each side of a number that are searched for the names of a value: about a line.
+_NEIGHBOURHOOD = 100
 # A decimal of a program.
 _DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 
@@ -284,3 +287,43 @@ class NamedPlaces:
             either = "abs(" if self.is_signed(number) else "\n"  # beside -0.3, 0.2 is no change in either direction
             self._meant[number.start] = [each for each in meant if either not in each.question]
         return self._meant[number.start]
+
+    def names_near(self, number: TextNumber) -> dict[str, int]:
+        """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
+        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
+        near += f" | {self.tables.column_of(number)}"
+        stand = {name for name, said in self._all_names.items() if said.search(near)}
+        single = set[str]()  # one digit looks like much: not like a readout that only another sentence names
+        if len(digits_of(number.text)) < 2 and not self.tables.row_of(number):
+            said = " ".join(sentence_around(self._lower, number.start, number.end))
+            single = {name for name in stand if not self._all_names[name].search(said)}
+        spoken, line = methods_named(near), self._on_line_of(number)
+        return {
+            known.question: sum(x in stand and not (x in single and known.of_lesson) for x in known.names)
+            + sum(not line.isdisjoint(x) for x in known.numbers)
+            + sum(not spoken.isdisjoint(x) for x in known.methods)
+            for known in self.values.known
+        }
+
+    @cached_property
+    def _all_names(self) -> dict[str, re.Pattern[str]]:
+        return {name: re.compile(rf"(?<![a-z]){name}") for known in self.values.known for name in known.names}
+
+    def _on_line_of(self, number: TextNumber) -> set[Fraction]:
+        """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
+        if not (self.values.asked or self.values.stated):  # then no value has numbers of its own
+            return set()
+        line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+        return line | ({*self._place_of(number).settings.values()} if self.tables.row_of(number) else set())
+
+    @cached_property
+    def _lines(self) -> list[list[tuple[int, Fraction]]]:
+        """For each line of the text, its numbers with their positions."""
+        lines, at = list[list[tuple[int, Fraction]]](), 0
+        for line in re.split("(?<=\n)", self.text):
+            lines.append([])
+            for number in numbers_in(line):
+                with suppress(ValueError, ZeroDivisionError):
+                    lines[-1].append((at + number.start, number.value))
+            at += len(line)
+        return lines

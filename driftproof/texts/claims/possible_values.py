@@ -126,6 +126,11 @@ class KnownValue:
         return (self.chosen is not None) + (self.chosen is not None and not self.stated)
 
     @property
+    def of_lesson(self) -> bool:
+        """True for what a run of the lesson gives, no fact and of no problem of the text."""
+        return self.rank == 0 and (" : " in self.question or "." in self.question.partition(" ")[0])
+
+    @property
     def most(self) -> int:
         """How many names, methods and numbers it has, all of which may stand near a number."""
         return len(self.names) + len(self.methods) + len(self.numbers)

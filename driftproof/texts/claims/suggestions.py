@@ -156,7 +156,7 @@ class Suggestions(LookAlikes):
         return found or self._misplaced(number, spellings, max(digits, in_cell * len(digits_of(number.text))))
 
     def _kept(self, number: TextNumber, found: dict[str, str]) -> dict[str, str]:
-        """Those that neither the column, the row or the list of the number, nor few digits of a ratio make right."""
+        """Slips that neither the column, the row or the list of the number, nor few digits of a ratio make right."""
         if found and self._column_kinds(number) - {*map(without_sizes, found)}:
             return {}
         if self._is_of_row(number, found) or self._is_of_list(number, found):
@@ -324,7 +324,7 @@ class Suggestions(LookAlikes):
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
         if known.numbers:
             return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
-        return digits > 3 and 0 < known.most == self._fits(number)[known.question]
+        return digits > 3 and 0 < known.most == self.names_near(number)[known.question]
 
     @cached_property
     def _stated_values(self) -> set[str]:
