@@ -278,7 +278,7 @@ def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, .
     other = spoken_names().match(flat(after), found.end()) if found and found["than"] else None
     second = _names()[other[0]] if other else set[str]()
     if found and not found["than"] and _AN_ERROR.search(flat(before)):
-        both = next((x for x in (before, earlier + before) if len(names_in_order(x)) > 1), "")
+        both = next((x for x in (before, f"{earlier}. {before}") if len(names_in_order(x)) > 1), "")
         named = [methods_named(name) for name in names_in_order(both)]
         alike = len({*SETTING["h"].findall(both)}) < 2 and not _OF_ELSE.search(both)
         second = named[named[0] == first] if alike and first in named and len(named) == 2 else second
