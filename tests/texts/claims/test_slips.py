@@ -436,7 +436,7 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{DECAY} Heun takes h = 0.1. With the same step RK4 makes an error 220 times smaller", "220", "ratio(", ""),
         (f"{DECAY} Heun takes h = 0.1. With the same step RK4 makes an error 230 times smaller", "230", "", ""),
         (f"{DECAY} Heun takes h = 0.1 and RK4 makes an error 232 times smaller", "232", "", "222"),
-        (f"{DECAY} Heun takes h = 0.2, RK4 h = 0.1. RK4 makes an error 223 times smaller", "223", "", ""),
+        (f"{DECAY} Heun takes h = 0.2, RK4 h = 0.1. RK4 makes an error 232 times smaller", "232", "", ""),
         (f"{DECAY} Heun takes h = 0.1. Half of it makes the error of RK4 220 times smaller", "220", "", ""),
         (f"{DECAY} Going from h = 0.2 to h = 0.1 makes the error of RK4 20.6 times smaller", "20.6", "h=0.1, t=1", ""),
         (f"{DECAY} With h = 0.1 Heun's relative error is 5.79 percent", "5.79", "relative_error", ""),
