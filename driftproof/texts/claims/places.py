@@ -10,7 +10,6 @@ from functools import cache
 
 from driftproof.texts.claims.contradictions import (
     LISTED_NUMBER,
-    POSITIVE,
     SETTING,
     begins_with_method,
     last_methods_named,
@@ -35,15 +34,12 @@ from driftproof.texts.claims.heads import (
     leaves_quantity,
     without_methods,
 )
+from driftproof.texts.claims.settings_named import BESIDE_NUMBER, FARTHEST, settings_named
 from driftproof.texts.claims.tables import Cell
 from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.number_words import (
-    COUNT_GIVEN,
     PERCENT,
-    TIME_UNIT,
     UNIT_BEHIND,
-    counts_of_steps,
-    durations,
 )
 
 # The solution as the subject of a number, and a pronoun for the subject of the sentence before.
@@ -62,14 +58,6 @@ _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)
 _UNKNOWN = re.compile(rf"{_NAME}\Z")
 # The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
 _WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
-# What joins numbers of a list, also one that goes from step size to step size, and step sizes in one.
-_SIZES = re.compile(
-    rf"(?:\bh|[dδ]t)\s?=\s?{POSITIVE}(?:(?:, (?:and )?| and | to | or )(?:(?:h|[dδ]t)\s?=\s?)?{POSITIVE})+"
-)
-_JOINED = r"(?:, (?:and )?| and | to )"
-# A time is also given by the value of an unknown then, as in y(1).
-_VALUE_AT = r"(?!(?:rk|ab|am|bdf|range|cos|sin|exp|ln|log|sqrt)\()[^\W\d]\w*"
-_TIME = re.compile(rf"(?<![\w.])(?:t\s?=\s?|{TIME_UNIT} |{_VALUE_AT}\((?=[0-9./]*\))){POSITIVE}")
 # The head of the solution's column beside those of methods.
 _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
@@ -84,27 +72,17 @@ _CHANGES = (
 _E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 OF_EACH_STEP = re.compile(rf"{PERCENT}[^.;:,]{{0,30}} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
-_AT_START = re.compile(
-    r"\b(?:at the (?:start|beginning)|initial(?:ly)?|starts? (?:at|with))\b(?:[^.;,]|\.\d){0,30}\Z|"
-    r"[a-z]'?(?:_0| ?\(0(?:\.0*)?\)) ?[=≈] ?(?:[^=≈,;\n]{1,30}[=≈] ?)?\Z"
-)
 # A ratio of errors follows, but for other words, or has been said.
 _DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
-_AT_START_BEHIND = re.compile(r" (?:at the (?:start|beginning)|initially)\b")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _SAME_STEP = re.compile(r"\bsame (?:h\b|(?:time ?)?step)")
-_FIRST_STEP = re.compile(r"\b(?:first|single) step\b")
 _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
-# Characters before a number that are searched for a step size or time, and for a method.
-_FARTHEST, _NEAR = 2000, 400
-# Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
-_BESIDE = 40
-_NEXT = re.compile(r"(?<![=≈] )(?<![=≈\w./])[-+]?[0-9]")
-_NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
+# Characters before a number that are searched for a method.
+_NEAR = 400
 
 
 @dataclass(frozen=True)
@@ -241,7 +219,7 @@ class _Reader:
         self.label = next((cell.text for cell in row if cell.text), "")
         self.before, self.after = sentence_around(text, start, end)
         around = (start, end), (self.before, self.after)
-        self.settings, self.near, self.sure = _settings(text, *around, row, self.head)
+        self.settings, self.near, self.sure = settings_named(text, *around, row, self.head)
         self.about = self._about()
         self.quantity = self._quantity_said()
         self.name: str | None = None
@@ -284,7 +262,7 @@ class _Reader:
         """The words that say what the number is: its head, the line above the table, or the sentence before it."""
         if not leaves_quantity(self.head, self.unknowns):
             return self.head if self.row else self.before
-        above = re.findall(r"^[^|\n]+$", self.text[max(0, self.start - _FARTHEST) : self.start], re.MULTILINE)
+        above = re.findall(r"^[^|\n]+$", self.text[max(0, self.start - FARTHEST) : self.start], re.MULTILINE)
         return _WITH_VALUE.sub("", above[-1] if above else self.head)
 
     def _quantity_said(self) -> str | None:
@@ -399,7 +377,7 @@ class _Reader:
             return _methods_by_order(before, after, before)
         if methods_named(after):
             return set()
-        far = self.text[max(0, self.start - _FARTHEST) : self.start]
+        far = self.text[max(0, self.start - FARTHEST) : self.start]
         heads_above = re.findall(r"(?:\A|\n\n|\n(?!\|).*\n)(\|.*)", far)
         return _methods_by_order(before, after, sentence_before(self.text, self.start), *heads_above[-1:])
 
@@ -408,8 +386,8 @@ class _Reader:
         labels = (_SHORT_NAMES.get(cell.text, cell.text) for cell in self.row)
         if named := next(filter(None, map(methods_named, (*reversed(self.heads), *labels))), None):
             return named
-        behind = UNIT_BEHIND.sub("", self.text[self.end : self.end + 2 * _BESIDE])
-        by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", behind)
+        behind = UNIT_BEHIND.sub("", self.text[self.end : self.end + 2 * BESIDE_NUMBER])
+        by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{BESIDE_NUMBER}}})", behind)
         named = methods_named(by[1]) if by else set()
         if named or _is_labelled(self.text, self.start, self.row):  # by a name that is none of a method
             return named
@@ -430,60 +408,3 @@ def _is_labelled(text: str, start: int, row: Sequence[Cell]) -> bool:
         label = next((cell.text for cell in row if cell.text), "")
         return re.search(r"[^\W\d]{2}", label) is not None
     return _LABEL_OF_ITEM.match(text, text.rfind("\n", 0, start) + 1, start) is not None
-
-
-def _settings(
-    text: str, span: tuple[int, int], sentence: tuple[str, str], row: Sequence[Cell], head: str
-) -> tuple[dict[str, Fraction], frozenset[str], bool]:
-    """Step size and time of the row, the head, the sentence, or the last before it; which are near; is the time?"""
-    (start, end), (before, after), far = span, sentence, text[max(0, span[0] - _FARTHEST) : span[0]]
-    cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
-    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in SETTING_HEADS}
-    settings, near = dict[str, Fraction](), dict[str, list[str]]()
-    if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + _BESIDE]):  # (0.5, 0.1) at t = 0.2
-        end += state.end()
-    for x, pattern in {**SETTING, "t": _TIME}.items():
-        beside = re.match(
-            rf",? ?(?:(?!and |or |but )\w{{2,5}} )?{pattern.pattern}(?! ?[=≈])", text[end : end + _BESIDE]
-        )
-        if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
-            beside = None if text[end : end + 1] == "," else beside
-        said = said or (durations(before) if x == "t" else [])
-        said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
-        in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
-        near[x] = in_row[-1:] or pattern.findall(head) or said
-        lines = map(pattern.findall, far.split("\n") if row and not head else ())
-        if not near[x] and any(len({*line}) > 1 for line in [*filter(None, lines)][-1:]):
-            continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
-        settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
-    if not row and (size := _size_in_order(before, after)):
-        settings["h"], near["h"] = size, [str(size)]
-    counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
-    if row:
-        taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
-        settings |= {"n": Fraction(taken[0])} if taken else {}
-    else:
-        is_after = re.match(rf"(?:{PERCENT})? after ", text[end:])
-        behind = counts_of_steps(text[end : end + _BESIDE])[:1] if is_after else []
-        taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
-        taken = [] if near["t"] else taken
-    if taken and "h" in settings:
-        settings["t"] = taken[0] * settings["h"]
-        near["t"] += [str(settings["t"])] * bool(row)
-    elif counts and "t" in settings and not near["h"]:
-        settings["h"] = settings["t"] / counts[0]
-    if not row and (_AT_START.search(before) or _AT_START_BEHIND.match(after)):
-        settings["t"], near["t"] = Fraction(0), ["0"]
-    one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
-    return settings, one, bool(row or near["t"] or taken)
-
-
-def _size_in_order(before: str, after: str) -> Fraction | None:
-    """The step size of a number in a list behind a list of as many, as in "for h = 1 and 0.5 they are 0.2 and 0.1"."""
-    sizes = [*_SIZES.finditer(before)]
-    left, right = rest_of_list(before, after, _JOINED)
-    if not sizes or len(before) - len(left) < sizes[-1].end():
-        return None
-    given = re.findall(POSITIVE, re.sub(r"[a-zδ]", "", sizes[-1][0]))
-    at, rest = (len(re.findall(LISTED_NUMBER, part)) for part in (left, right))
-    return Fraction(given[at]) if len(given) == at + 1 + rest else None
