@@ -243,6 +243,7 @@ class LookAlikes(NamedPlaces):
             or question.lstrip("-") in here.not_signed
             or ("abs(" in question and self.is_signed(number))
             or (here.bound and not here.sole and not question.lstrip("-").startswith(LIMITS_OF_METHODS))
+            or (known.stated and question.endswith(" : steps") and not place.counts_steps(question))
             or self._changes_otherwise(known, number)
             # One digit of an unknown of the text's own problem is nothing of the lesson's.
             or (known.of_lesson and len(digits_of(number.text)) < 2 and place.unknown in self._unknowns.values())

@@ -147,6 +147,10 @@ class Place:
         """True if the words here are those of stability functions or observed orders, and the question is not."""
         return self.quantity in _CERTAIN and asked_quantity(question)[0] != self.quantity
 
+    def counts_steps(self, question: str) -> bool:
+        """True if steps are counted here, to the time of the question: any count is one to some time."""
+        return self.quantity == "steps" and self.settings.get("t") in asked_settings(question)["t"]
+
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)

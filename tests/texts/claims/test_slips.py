@@ -441,6 +441,8 @@ TWO = "x'' = -x, y'' = -4y, x(0) = 1, y(0) = 0, x'(0) = 0, y'(0) = 1, to t = 1 w
         (f"{DECAY} Going from h = 0.2 to h = 0.1 makes the error of RK4 20.6 times smaller", "20.6", "h=0.1, t=1", ""),
         (f"{DECAY} With h = 0.1 Heun's relative error is 5.79 percent", "5.79", "relative_error", ""),
         (f"{DECAY} With h = 0.05 RK4 needs 20 steps", "20", "steps", ""),
+        (f"{DECAY} Look at t = 0.5, too. To t = 1 with h = 0.05 RK4 needs 10 steps", "10", "", "20"),
+        ("V' = (5 - V)/0.5, V(0) = 0, to t = 1. With h = 0.1 RK4 takes 5 steps", "5", "", ""),
         (f"{DECAY} With h = 0.1 RK4\nis off by 5.35e-04", "5.35e-04", "", "2.59e-5"),
         (f"{DECAY} The companion of BS3 with h = 0.2 is 1.0844", "1.0844", "embedded.y", ""),
         (f"{DECAY} The error estimate of BS3 with h = 0.2 is 0.00360", "0.00360", "estimate.y", ""),
