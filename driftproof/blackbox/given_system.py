@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import cycle
+from itertools import accumulate, cycle, pairwise
 from typing import Any
 
 import numpy as np
@@ -57,6 +57,8 @@ from driftproof.support.plain_text import counted
 # A step of this part of the system's own time shows its slopes, but for what the slopes given change in it and for the
 # rounding of the state over it. Those of another system differ by a thousandth at least: steps tell smaller errors.
 _SHORT, _ALIKE = 2.0**-12, 2.0**-10
+# A jump: sixteen times as far as such a step of the system moves a state of this size.
+_JUMP = 16 * _SHORT
 _TAKES_ONE = (
     "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
     "out, and all but the right-hand side of the code is judged"
@@ -78,7 +80,7 @@ class Unpaired(OwnSystem):
 
 
 class Limited(OwnSystem):
-    """Numbers of some states end at a limit in every step, however short: these are not what it is for."""
+    """Some states jump, or end at a limit, in every step, however short: these are not what it is for."""
 
 
 class NoClock(OwnSystem):
@@ -89,7 +91,7 @@ class NoClock(OwnSystem):
 _MISSING = {
     OwnSystem.kind: "a method that goes on it, and states with slopes that change in a step of --largest-step or less",
     LeftAtOne.kind: "a system that takes them besides y, for other values",
-    Limited.kind: "the states that it is for: --start, in Python domain=Domain(start=...)",
+    Limited.kind: "the states that it is for: --start, in Python Domain(start=...); or the step before its end is set",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
     PushedUnusually.kind: "a step that takes its force, step(force, q, v, h), or a step and a system without the drag",
     Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these",
@@ -201,24 +203,31 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
 
 
 def _unlike(
-    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float
+    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float, parts: Sequence[int]
 ) -> tuple[str, bool]:
     """How short steps differ from these slopes of the system given, "" if they agree; and whether only by limits.
 
-    At a limit a number ends at one value in steps of any length, though it begins elsewhere, but not from every state.
+    At a limit a number goes as far in a step of half the length, as where it is clipped, or wrapped into a box, but
+    not from every state; or each state comes back with one of its `parts` divided by its length.
     """
     h, found, held = _SHORT * unit, dict[tuple[float, ...], str](), dict[tuple[float, ...], Array]()
+    divided = [True] * len(cuts := [*pairwise(accumulate((max(1, n) for n in parts), initial=0))])
     for y, told in slopes.items():
         with suppress(Misbehaviour, ArithmeticError):
             end, shorter = (np.array(OwnSteps(subject, [y]).end(0.0, y, x)) for x in (h, h / 2))
-            held[y], seen = (end == shorter) & (end != np.array(y)), (end - np.array(y)) / h
+            moved, half = np.abs(end - np.array(y)), np.abs(shorter - np.array(y))
+            jumps = (moved > _JUMP * np.abs(y).max()) & (half > 3 / 4 * moved)
+            held[y], seen = (end == shorter) & (moved > 0) | jumps, (end - np.array(y)) / h
+            for place, (i, j) in enumerate(cuts):
+                unit_length = np.array(y)[i:j] / np.linalg.norm(y[i:j])
+                divided[place] &= j > i + 1 and bool(np.abs(end[i:j] - unit_length).max() < _JUMP)
             changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
                 at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
                 found[y] = f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
     limits = np.logical_and.reduce([*held.values()]) < np.logical_or.reduce([*held.values()]) if held else False
-    beyond = [words for y, words in found.items() if not np.any(held[y] & limits)]
+    beyond = [] if any(divided) else [words for y, words in found.items() if not np.any(held[y] & limits)]
     return next(iter([*beyond, *found.values()]), ""), not beyond
 
 
@@ -243,7 +252,9 @@ def _held(
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            unlike, by_limits = _unlike(reading, slopes, each, unit)
+            unlike, by_limits = _unlike(
+                reading, slopes, each, unit, wanted.domain.begins.parts if wanted.domain.begins else ()
+            )
             if unlike and not anyway:
                 far.append(unlike)
                 limited = limited or unlike * by_limits
@@ -262,7 +273,7 @@ def _held(
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
         if limited:
-            raise Limited(f"numbers of some states end at a limit, however short the step: {limited}")
+            raise Limited(f"some states jump, or end at a limit, however short the step: {limited}")
         if far:
             raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
     raise refused[0]

@@ -29,7 +29,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import state_names_of
 from driftproof.blackbox.stepper.trial_steps import format_of_answers
 
-AS_PARTS = "--system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python system=f, domain=Domain(start='...')"
+AS_PARTS = "verify --system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python system=f, domain=Domain(start='...')"
 # A number without a range stands for those around it, up to this part of it; a 0, of the smallest other of its part.
 _AROUND = 1 / 8
 # So many states are seen, and so many more in the corners of the ranges, a bit within: a step there may lead out.
