@@ -69,11 +69,11 @@ BUDGETS = {
     "methods": 5583,
     "symbolic": 10676,
     "numeric": 4695,
-    "blackbox": 24062,
+    "blackbox": 24069,
     "enclosure": 5802,
-    "texts": 11580,
+    "texts": 11584,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6441
+BUDGET_OF_REPORTS_AND_FRONT = 6447
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
@@ -84,7 +84,6 @@ TESTS_PER_LINE_OF_SOURCE = Fraction(919, 1000)
 SMALLEST = 40
 SMALL: dict[str, str] = {
     "__main__.py": "python -m driftproof",
-    "reports/progress.py": "bars, for which support would have to import tqdm",
     "methods/tables/nystrom.py": "the table of its family, three methods as they are printed",
     "numeric/problems/catalogue.py": "the list of all problems, above the files that hold them",
 }

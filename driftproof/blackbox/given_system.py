@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import accumulate, cycle, pairwise
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
+from driftproof.blackbox.stepper.starts import Start
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
@@ -203,24 +204,24 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
 
 
 def _unlike(
-    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float, parts: Sequence[int]
+    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float, start: Start | None
 ) -> tuple[str, bool]:
     """How short steps differ from these slopes of the system given, "" if they agree; and whether only by limits.
 
     At a limit a number goes as far in a step of half the length, as where it is clipped, or wrapped into a box, but
-    not from every state; or each state comes back with one of its `parts` divided by its length.
+    not from every state; or each state comes back with one of the parts of a start divided by its length.
     """
     h, found, held = _SHORT * unit, dict[tuple[float, ...], str](), dict[tuple[float, ...], Array]()
-    divided = [True] * len(cuts := [*pairwise(accumulate((max(1, n) for n in parts), initial=0))])
+    divided = [True] * len(vectors := [(i, j) for i, j in start.cuts if j > i + 1] if start else [])
     for y, told in slopes.items():
         with suppress(Misbehaviour, ArithmeticError):
             end, shorter = (np.array(OwnSteps(subject, [y]).end(0.0, y, x)) for x in (h, h / 2))
             moved, half = np.abs(end - np.array(y)), np.abs(shorter - np.array(y))
             jumps = (moved > _JUMP * np.abs(y).max()) & (half > 3 / 4 * moved)
             held[y], seen = (end == shorter) & (moved > 0) | jumps, (end - np.array(y)) / h
-            for place, (i, j) in enumerate(cuts):
+            for place, (i, j) in enumerate(vectors):
                 unit_length = np.array(y)[i:j] / np.linalg.norm(y[i:j])
-                divided[place] &= j > i + 1 and bool(np.abs(end[i:j] - unit_length).max() < _JUMP)
+                divided[place] &= bool(np.abs(end[i:j] - unit_length).max() < _JUMP)
             changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
@@ -252,9 +253,7 @@ def _held(
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            unlike, by_limits = _unlike(
-                reading, slopes, each, unit, wanted.domain.begins.parts if wanted.domain.begins else ()
-            )
+            unlike, by_limits = _unlike(reading, slopes, each, unit, wanted.domain.begins)
             if unlike and not anyway:
                 far.append(unlike)
                 limited = limited or unlike * by_limits

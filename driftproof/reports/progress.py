@@ -1,9 +1,10 @@
-"""Progress bars, on a terminal only."""
+"""Progress bars, on a terminal only; and what an interruption says of the work that is kept."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar
 
@@ -32,6 +33,15 @@ def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
 
     bar: Iterable[_T] = tqdm(items, unit=unit, unit_scale=True, leave=False)
     return bar
+
+
+@contextmanager
+def kept_in(place: Path | None) -> Iterator[None]:
+    """Work of which this file or folder keeps the parts that are done: an interruption says so; None keeps nothing."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(*[f"the same command goes on from {place}"] * (place is not None)) from None
 
 
 def count_steps(steps: int) -> Iterable[int]:

@@ -14,7 +14,7 @@ from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
-from driftproof.reports.progress import progress_bar
+from driftproof.reports.progress import kept_in, progress_bar
 from driftproof.reports.stability import steps_for_decay
 from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
@@ -80,10 +80,8 @@ def work_precision(
             bar.update(done)
 
         say = lambda line: print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)
-        try:
+        with kept_in(folder):
             measured = measure(study, folder, say, progress)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(*[f"the same command goes on from {folder}"] * bool(folder)) from None
         if folder:
             from driftproof.reports.work_precision.figure import draw_study
 

@@ -18,7 +18,7 @@ from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import PRESETS, Scene, compared_readouts
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
-from driftproof.reports.progress import progress_bar
+from driftproof.reports.progress import kept_in, progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.reports.scenes import scene_given
 from driftproof.support.environment import require_package
@@ -69,11 +69,9 @@ def sweep(
     axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
-    with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
-        try:
-            found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(*[f"the same command goes on from {output}"] * (output is not None)) from None
+    place = None if output is None else Path(output)
+    with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar, kept_in(place):
+        found = run_grid(about, grid, executor, place, bar.update)
     return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
 
 

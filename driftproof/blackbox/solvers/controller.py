@@ -101,8 +101,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
     laws = filter(None, (fitted_law(each.name, list(points(each))) for each in estimates))
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
-        found = _without_law(subject, steps, factors, held)
-        return replace(found, lines=(*found.lines, _counted(attempts)), faults=traces or found.faults)
+        return _without_law(subject, steps, attempts, traces, held)
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
@@ -133,12 +132,16 @@ def _counted(attempts: Sequence[Attempt]) -> str:
 
 
 def _without_law(
-    subject: ForeignSolver, steps: SolverSteps, factors: Sequence[float], held: RungeKutta | None
+    subject: ForeignSolver,
+    steps: SolverSteps,
+    attempts: Sequence[Attempt],
+    traces: tuple[str, ...],
+    held: RungeKutta | None,
 ) -> ControllerReading:
     """What is seen of step sizes that no law gives: whether they settle, and another estimate that they follow."""
     pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
     seen = f"no law in the estimate of {pairs} gives the step sizes"
-    few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
+    few = sorted({f"{each.factor:.4g}" for each in attempts if each.factor is not None}, key=float)
     if 1 < len(few) <= _FEW:
         seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
     another = settled = unsettled = ""
@@ -149,7 +152,8 @@ def _without_law(
     faults = tuple(filter(None, [another * (held is not None), unsettled * (len(few) > _FEW)]))
     hint = "nor do they settle where that depends on h alone; verify one step that returns its estimate"
     unseen = f"{seen}, {hint}" if held and steps.pairs and not settled else ""
-    return ControllerReading(None, lines, faults or tuple(_of_low_order(subject, steps)), unseen=unseen)
+    faults = traces or faults or tuple(_of_low_order(subject, steps))
+    return ControllerReading(None, (*lines, _counted(attempts)), faults, unseen=unseen)
 
 
 def _other_row(key: str, steps: SolverSteps) -> str:

@@ -69,6 +69,11 @@ class Start:
         return cls(tuple(parts), tuple(ranges))
 
     @property
+    def cuts(self) -> list[tuple[int, int]]:
+        """The places among all numbers where each part begins and ends."""
+        return [*pairwise(accumulate((max(1, n) for n in self.parts), initial=0))]
+
+    @property
     def words(self) -> str:
         """The ranges in words."""
         return ", ".join(f"{low:.6g}:{high:.6g}" for low, high in self.ranges)
@@ -121,8 +126,7 @@ class Start:
             )
 
         def moved(y: Foreign, t: float, h: float) -> Foreign:
-            cuts = pairwise(accumulate((max(1, n) for n in self.parts), initial=0))
-            given = [np.array(y[i:j]) if n else float(y[i]) for n, (i, j) in zip(self.parts, cuts, strict=True)]
+            given = [np.array(y[i:j]) if n else float(y[i]) for n, (i, j) in zip(self.parts, self.cuts, strict=True)]
             answer = step(**dict(zip(known, given, strict=True)), **{size: h}, **dict.fromkeys(times, t), **beside)
             if answer is None and not all(self.parts):
                 raise NothingReturned("it returns None")

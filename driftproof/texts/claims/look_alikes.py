@@ -105,6 +105,11 @@ class _Here:
     not_run: bool
     not_signed: set[str]
 
+    @cached_property
+    def kinds(self) -> set[str]:
+        """The values of the text's problem that the place means, but for their step sizes and times."""
+        return {without_sizes(each.question) for each in self.stated}
+
 
 class LookAlikes(NamedPlaces):
     """The values that the numbers of one text look like."""
@@ -226,8 +231,7 @@ class LookAlikes(NamedPlaces):
         """True for a value of the text's problem, if the place names another one, or another step size for its kind."""
         if not known.stated or known in here.meant:
             return False
-        kinds, asked = {without_sizes(each.question) for each in here.stated}, here.place.named_of(known.question)["h"]
-        same_kind = without_sizes(known.question) in kinds
+        asked, same_kind = here.place.named_of(known.question)["h"], without_sizes(known.question) in here.kinds
         other = same_kind and bool(asked) and here.place.settings.get("h", asked[0]) not in asked
         named = here.place.sure and bool(here.stated)
         return (named or other or here.unsaid_runs) and not self._is_exact(known, here.number)

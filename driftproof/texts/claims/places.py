@@ -344,8 +344,8 @@ class _Reader:
         if re.fullmatch(ORDER_OF_COLUMN, self.head) and decimal and any(is_head_of("h", x) for x in heads):
             self.quantity = "observed_order"
         if _RELATIVE.fullmatch(self.head) and any("energy" in x for x in heads):
-            percent = re.match(PERCENT, self.text[self.end :])
-            self.quantity = "part_of_energy" if percent else "relative_energy"
+            more = _AFTER.match(self.text, self.end)
+            self.quantity = "part_of_energy" if more and more["percent"] else "relative_energy"
         written = [cell.head_written for cell in self.row if cell.start <= self.start][-1:]
         if is_head_of("".join(SETTING_HEADS), self.head):
             self.quantity = "chosen"
