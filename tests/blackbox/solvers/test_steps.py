@@ -100,6 +100,7 @@ OTHERS = {
     "no times": lambda f, t_span, y0, *_: ([1.0], [y0]),
     "only the end": only_the_end, "implicit": twenty(lambda: implicit),
     "multistep": twenty(adams_bashforth), "as sums of Euler steps": twenty(lambda: shu_osher),
+    "of a stage beyond the end": of_stages([[0, 0], [1, 0]], [0.5, 0.5], [0, 2]),
     "of a last stage": twenty(lambda: with_a_last_stage(1)),
     "of a last stage at a wrong time": twenty(lambda: with_a_last_stage(0.75)),
     "iterated": of_stages(*TEN_TIMES), "clipped": limited,
