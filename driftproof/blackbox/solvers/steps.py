@@ -271,9 +271,9 @@ class _Marked:
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
         # The slope at the start may be needed before the extra stages of the previous step's dense output.
         within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
-        near = [n for n in within if n > since or calls[n].t == self.start]
+        own = [n for n in within if n > since or calls[n].t == self.start]
         # A stage at a wrong time may lie beyond the end, and is followed by a call of this step or at its end.
-        self.near = [n for n in range(near[0], near[-1] + 1) if n in near or calls[n].t > self.end] if near else []
+        self.near = [n for n in range(own[0], own[-1] + 1) if n in own or calls[n].t > self.end] if own else []
         earlier = self.silent.t[self.place - 1]  # in the first step t[-1]: the range is empty
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
