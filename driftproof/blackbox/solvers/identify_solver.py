@@ -183,7 +183,7 @@ def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[st
     lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == INSTRUMENT_FAILED]
     faults = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless]
     beside = [] if runs.failed else [line for each in runs.result.answers.values() for line in each.beside]
-    rows = [*controller.result.remarks] if controller.result else []
+    rows = [*controller.result.remarks] if controller.result else [*getattr(steps.result, "remarks", ())]
     if controller.kind == NotReadable.kind and steps.result and steps.result.adaptive:
         rows = [f"step size control not seen: {controller.seen}"]
     unseen = () if runs.failed else runs.result.remarks
