@@ -9,6 +9,7 @@ from functools import cache, partial
 from itertools import dropwhile, pairwise, takewhile
 from math import hypot, inf, lcm, log2
 from statistics import median
+from typing import TypeAlias
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.multistep import Multistep
@@ -23,6 +24,10 @@ from driftproof.numeric.work_precision.integrators import COMPILED_FROM, Integra
 FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, COMPILED_FROM
 # For a goal an implicit method is run with up to so many, compiled; and the fewest are found to within a part NEAR.
 MOST_FOR_GOAL, NEAR = 2**16, 1 / 16
+# Where f changes at a time, errors depend on where the steps around it fall: on the remainder of their number, if that
+# has no more values than this. Else as many numbers up to the next doubling are tried: where a tenth of them are worse,
+# all are good by chance in one case of twelve.
+SPREAD = 24
 # Numbers of steps that would have to be multiples of more than this land on the last of the reference's times only.
 LARGEST_UNIT = 64
 # A curve ends after this many points whose whole error rounding may explain: its floor (chosen: one may be luck).
@@ -62,6 +67,8 @@ class Point:
     def error(self) -> float:
         """The error of the state at the end; infinite if there is none."""
         return self.errors[STATE].final if self.errors else inf
+
+_Beside: TypeAlias = Callable[[int], Sequence[int]]
 
 
 @dataclass(frozen=True)
@@ -188,11 +195,11 @@ def for_goal(curve: Curve, method: Entry, problem: Problem, goal: float) -> list
     if curve.refused or not points:
         return points
     runs, unit = integrator(method, problem, compiled=True), 1 if problem.reference.dense else _unit(problem)
-    run = cache(partial(measured, problem, runs))
+    run, beside = cache(partial(measured, problem, runs)), _beside(problem)
     for which in reversed(ENDS):
         looked = unit if which == "largest" else 1
         while True:
-            points = _with_fewest(points, goal, which, run, looked)
+            points = _with_fewest(points, goal, which, run, looked, beside)
             *_, last = (point for point in points if not point.between)
             steps = 2 * (last.steps or MOST_FOR_GOAL)
             ended = last.error <= last.doubt or last.remark.startswith(NOT_RUN)
@@ -210,26 +217,37 @@ def with_points_for(goals: Sequence[float], refined: Callable[..., Sequence[Poin
     return curve
 
 
+def _beside(problem: Problem) -> _Beside:
+    """What is added to a number of steps, in units, for the runs that tell whether it is good by chance.
+
+    Where f jumps at a third of the time, the error depends on the remainder of the number by 3.
+    """
+    if problem.field.smooth:
+        return lambda steps: (1, 2)
+    period = lcm(*((t / problem.t).denominator for t in problem.reference.changes))
+    if 1 < period <= SPREAD:
+        return lambda steps: range(1, period + 1)
+    return lambda steps: [1, 2, *(1 + part * steps // (SPREAD + 1) for part in range(1, SPREAD + 1))]
+
+
 def _with_fewest(
-    points: Sequence[Point], goal: float, which: str, run: Callable[[int], Point], unit: int
+    points: Sequence[Point], goal: float, which: str, run: Callable[[int], Point], unit: int, beside: _Beside
 ) -> list[Point]:
     """The points, the run of the fewest multiples of `unit` that meets the goal, and those that tell that it does.
 
     They are found by bisection, to a part NEAR, below the fewest that meet it already; a coarser run that meets it by
-    luck is not looked for. If one of the next two does not meet it, finer ones are looked for: where f jumps at a third
-    of the time, the error depends on the remainder of the number of steps by 3.
+    luck is not looked for. If one of those `beside` does not meet it, finer ones are looked for.
     """
     tried = [*points]
     while good := lasting(tried, goal, which):
         steps, at = good[-1].steps or 0, tried.index(good[-1])
         low = (tried[at - 1] if at else good[-1]).steps or 0
-        after = [steps + unit, steps + 2 * unit]
+        after = [steps + unit * more for more in beside(steps // unit)]
         if steps - low >= max(2 * unit, NEAR * low):
             further = [(low + steps) // (2 * unit) * unit]
         elif not (further := [n for n in after if all(point.steps != n for point in tried)]):
             return [point for point in tried if point in points or point.steps in (low, steps, *after)]
-        made = [replace(run(n), between=True) for n in further]
-        tried = sorted([*tried, *made], key=lambda point: point.steps or 0)
+        tried = sorted([*tried, replace(run(further[0]), between=True)], key=lambda point: point.steps or 0)
     return tried
 
 

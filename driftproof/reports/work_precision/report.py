@@ -17,6 +17,7 @@ from driftproof.numeric.work_precision.curves import (
     MOST_FOR_GOAL,
     MOST_IMPLICIT,
     NOT_RUN,
+    SPREAD,
     Against,
     Curve,
     Point,
@@ -202,7 +203,8 @@ def _goal_cell(cost: str, key: str, found: Mapping[str, tuple[float, str]], miss
 def _missed(curve: Curve, goal: float) -> str:
     """Why no point of the curve is said to meet the goal."""
     if min(p.error for p in curve.points) <= goal:
-        return "met, but not in finer runs"
+        met = next(point.setting for point in curve.points if point.error <= goal)
+        return f"met with {'N =' if met.isdigit() else 'tol'} {met}, but not in finer runs"
     most = _untried(curve, goal)
     return f"{f'not reached by N = {most}' if most else 'not met'}: {_least_error(curve)}"
 
@@ -270,10 +272,11 @@ def _what_counts(study: Study, measured: Measured) -> Iterator[str]:
     from driftproof.symbolic.claimed_orders import false_claims
 
     if study.wanted:
-        yield (
-            "For such errors the fewest steps are found to a sixteenth, and the next two numbers that end at the times"
-            " looked at are tried, too; tolerances are among 1, 2 and 5 times 10^-n."
-        )
+        beside = "the next two numbers that end at the times looked at"
+        if not study.problem.field.smooth:
+            beside = f"numbers of all remainders on which it depends where f changes in a step, or {SPREAD} others"
+        yield f"For such errors the fewest steps are found to a sixteenth; tried are, too, {beside};"
+        yield "tolerances are among 1, 2 and 5 times 10^-n."
     yield (
         f"A run counts if all finer ones that were made are as good, or have errors below about {ABOVE} (N + 1) 2^-53"
         " times the solution's size, which may be rounding."

@@ -9,6 +9,7 @@ from math import inf
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.field_text import field_of_text
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
@@ -191,6 +192,20 @@ def test_a_run_that_is_good_because_its_steps_end_at_a_jump_is_not_the_one_of_fe
         curve = Curve("a", "A", 1, [made(first << i) for i in range(14)])
         steps = lasting(for_goal(curve, METHODS["rk4"], HARMONIC, 1e-4), 1e-4)[-1].steps
         assert 18800 <= (steps or 0) <= 18800 * 17 / 16
+
+
+@pytest.mark.parametrize(("part", "period", "most"), [(Q(2, 5), 5, 1.0), (Q(3, 80), 80, 4.0)])
+def test_where_f_changes_at_a_time_a_run_is_named_only_if_it_is_good_for_other_remainders_too(
+    part: Q, period: int, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The errors of a fifth of the remainders are ten times as large; of a long period some are tried."""
+    changes = dataclasses.replace(HARMONIC.reference, changes=(part * HARMONIC.t,))
+    problem = dataclasses.replace(HARMONIC, field=field_of_text("y1; -y0 + 0*abs(y1)"), reference=changes)
+    made = lambda steps: _point(steps, (10 if 2 * period <= 5 * (steps % period) < 3 * period else 1) / steps)
+    monkeypatch.setattr(curves_module, "measured", lambda problem, runs, steps: made(steps))
+    curve = Curve("a", "A", 1, [made(16 << i) for i in range(14)])
+    steps = lasting(for_goal(curve, METHODS["rk4"], problem, 1e-3), 1e-3)[-1].steps or 0
+    assert 10_000 / most <= steps <= 10_000 * 17 / 16
 
 
 def test_an_implicit_method_goes_on_for_a_goal_where_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
