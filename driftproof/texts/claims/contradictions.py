@@ -13,6 +13,8 @@ from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_nam
 from driftproof.texts.readers.number_words import UNIT_BEHIND
 from driftproof.texts.values.published import published_values
 
+# The energy of a problem, and what else a text may call it.
+ENERGY = "(?:energy|hamiltonian|invariant|conserved quantity|first integral)"
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
 _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
@@ -21,8 +23,7 @@ _QUANTITIES = {
     "error_constant": ("error constant", "dispersion|dissipation|limit|r|weights?|coefficients?|nodes?"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
-    "energy": ("energy", "phase|imaginary|error"),
-    "energy_change": ("energy", "phase|imaginary|error"),
+    **dict.fromkeys(("energy", "energy_change"), (ENERGY, "phase|imaginary|error")),
     "order": ("orders?", "stable|stability|limit|axis"),
     "steps": ("steps?", "calls?|evaluations?"),
     "evaluations": ("calls?|evaluations?", "steps?"),
@@ -72,10 +73,11 @@ _NO_SUBJECT = re.compile(
 )
 # Behind the ratio of the errors of two methods, up to the second of them.
 _TIMES_AS = re.compile(
-    r" times (?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
+    r" times (?:(?P<of>that|the error) of (?:the )?|(?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
     r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
-    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z)))"
+    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z))))"
 )
+_ERROR_IS = re.compile(r"\berrors? of [^,;]*\Z")
 # Before such a ratio without the second method; steps, or errors of another kind, that it may be of instead.
 _AN_ERROR = re.compile(r"\b(?:an?|its|whose) errors?(?: (?:is|about|some|only|roughly|nearly))* \Z")
 _OF_ELSE = re.compile(
@@ -275,7 +277,9 @@ def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, .
     ('adams_bashforth2', 'adams_bashforth3')
     """
     found, first = _TIMES_AS.match(flat(after)), last_methods_named(before)
-    other = spoken_names().match(flat(after), found.end()) if found and found["than"] else None
+    if found and found["of"] and not _ERROR_IS.search(flat(before)):  # of a cost, say
+        return ()
+    other = spoken_names().match(flat(after), found.end()) if found and (found["than"] or found["of"]) else None
     second = _names()[other[0]] if other else set[str]()
     if found and not found["than"] and _AN_ERROR.search(flat(before)):
         both = next((x for x in (before, f"{earlier}. {before}") if len(names_in_order(x)) > 1), "")

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import POSITIVE, SETTING, methods_named, spoken_names
+from driftproof.texts.claims.contradictions import ENERGY, POSITIVE, SETTING, methods_named, spoken_names
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
@@ -27,12 +27,11 @@ LARGEST = "largest_"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
     "largest_part": rf"{_MOST_OF} relative \w+",
-    "largest_energy_change": rf"{_MOST_OF} (?:energy|hamiltonian)(?: {_DRIFT})?|"
-    rf"{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?(?:energy|hamiltonian)",
+    "largest_energy_change": rf"{_MOST_OF} {ENERGY}(?: {_DRIFT})?|{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?{ENERGY}",
     "largest_error": rf"{_MOST_OF} (?:\w+ )?errors?",
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
-    "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
-    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
+    "relative_energy": rf"relative {ENERGY}(?: (?:errors?|drift|change))?",
+    "energy": rf"{ENERGY}(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factors?|ratios?|times as|divides",
     "embedded": r"embedded (?:solution|value|result|formula|method)|companion",
     "estimate": r"estimates?(?: of (?:the|its) error)?|error estimates?",

@@ -234,7 +234,8 @@ class LookAlikes(NamedPlaces):
         asked, same_kind = here.place.named_of(known.question)["h"], without_sizes(known.question) in here.kinds
         other = same_kind and bool(asked) and here.place.settings.get("h", asked[0]) not in asked
         named = here.place.sure and bool(here.stated)
-        return (named or other or here.unsaid_runs) and not self._is_exact(known, here.number)
+        kept = self._is_kept_energy(known, here.number)
+        return (named or other or kept or here.unsaid_runs) and not self._is_exact(known, here.number)
 
     def _is_denied(self, known: KnownValue, here: _Here) -> bool:
         """True if what is said where the number stands is said of something else than this value."""
@@ -338,6 +339,12 @@ class LookAlikes(NamedPlaces):
         place = place if place.quantity == "energy" else replace(place, quantity="exact")
         told &= "exact" in (known.question[:5], asked_quantity(known.question)[0]) and not self.tables.row_of(number)
         return told and not self.methods_beside(number) and place.means(known.question, set())
+
+    def _is_kept_energy(self, known: KnownValue, number: TextNumber) -> bool:
+        """True for an energy of a run if the number is that of the solution, too, of which every sentence may speak."""
+        energy = asked_quantity(known.question)[0] == "energy" and bool(known.keys)
+        alike = self.values.written_like(number) if energy else ()
+        return any(x.question.startswith("exact ") and x.question.endswith(": energy") for x in alike)
 
     def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:
         """True if the number's row and column give another method, step size, time or number of steps than asked."""

@@ -23,13 +23,14 @@ from driftproof.texts.claims.contradictions import (
 from driftproof.texts.claims.heads import is_head_of, leaves_quantity
 from driftproof.texts.claims.phrases import digits_of
 from driftproof.texts.claims.places import (
+    ENERGY_OF_ALL,
     Place,
     asked_quantity,
     asked_settings,
     place_of,
 )
 from driftproof.texts.claims.possible_values import KnownValue, PossibleValues
-from driftproof.texts.claims.stated_problems import speeds_named
+from driftproof.texts.claims.stated_problems import energies_named, speeds_named
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.number_words import PERCENT
@@ -270,14 +271,19 @@ class NamedPlaces:
 
     @cached_property
     def _unknowns(self) -> dict[str, str]:
-        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
+        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v.
+
+        The name of an energy is `ENERGY_OF_ALL`.
+        """
         asked = " ".join((*self.values.asked, *self.values.stated)).lower()
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
         own = {*speeds.values()}
         if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x)
             speeds |= dict.fromkeys(speeds_named(self._lower, min(own)[1:]), min(own))
-        return speeds | {name: name for name in names}
+        given = any("energy=" in one for one in (*self.values.asked, *self.values.stated))
+        energies = dict.fromkeys(energies_named(self.text, names), ENERGY_OF_ALL) if given else {}
+        return speeds | energies | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:
         """The values that the place of the number names."""

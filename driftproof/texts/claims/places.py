@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.texts.claims.contradictions import (
+    ENERGY,
     LISTED_NUMBER,
     SETTING,
     begins_with_method,
@@ -51,7 +52,7 @@ _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0
 # A quantity whose own value is given, so that what follows is another one.
 _WITH_VALUE = re.compile(rf"(?:{QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
-    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
+    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger|that of)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
@@ -63,17 +64,19 @@ _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED = {"ratio", "observed_order"}
-_CERTAIN = {"stability", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
+_CERTAIN = {"stability", "order", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
 # Words of a change, which is one of the energy if that is spoken of.
 _CHANGES = (
     "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
     "drift\\w*|f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\\w*"
 )
-_E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
+_CHANGED = re.compile(rf"(?<![\w.])([a-z]) (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 OF_EACH_STEP = re.compile(rf"{PERCENT}[^.;:,]{{0,30}} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
 # A ratio of errors follows, but for other words, or has been said.
-_DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+_DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby\s(?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+# A list of orders follows.
+_ORDERS = re.compile(r"\borders (?:\w+ ){0,3}\Z")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _SAME_STEP = re.compile(r"\bsame (?:h\b|(?:time ?)?step)")
@@ -81,6 +84,8 @@ _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
+# What the letter of an energy stands for, which is of all unknowns.
+ENERGY_OF_ALL = "energy"
 # Characters before a number that are searched for a method.
 _NEAR = 400
 
@@ -188,7 +193,7 @@ def asked_quantity(question: str) -> tuple[str, str]:
     if question.startswith(("ratio(", "R(", "log2(ratio(", "ln(ratio(")):
         return "observed_order" if question.startswith("l") else "ratio", readout.partition(".")[2]
     if " : " not in question:
-        return "fact", ""
+        return question.partition(" ")[0], ""
     if question.startswith("percent("):
         return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
     if readout.startswith(LARGEST):
@@ -242,6 +247,8 @@ class _Reader:
         self._read_comparison()
         own = self._own_methods()
         methods = {*self.compared} or own or self._methods_near()
+        if self.quantity == "energy" and not (methods or self.row):
+            self.settings.setdefault("t", Fraction(0))  # of no run, and constant
         name = self.name and (f"d{self.name[:-1]}" if self.name.endswith("'") else self.name)
         if name:
             name = self.unknowns.get(spelled := with_greek_spelled(name), spelled)
@@ -277,7 +284,8 @@ class _Reader:
 
     def _read_subject(self) -> None:
         """Read what a sentence is about: an energy that changes, the solution, or "it", the subject of the last one."""
-        if not self.quantity and _E_CHANGED.search(self.before):
+        changed = _CHANGED.search(self.before)
+        if not self.quantity and changed and self.unknowns.get(changed[1], changed[1]) in ("e", "h", ENERGY_OF_ALL):
             self.quantity = "energy"
         self.of_solution = _SOLUTION_IS.search(self.before) is not None
         if self.quantity or not _IT_IS.search(self.before) or methods_named(self.before):
@@ -308,6 +316,8 @@ class _Reader:
         else:
             return
         self.name = name
+        if self.unknowns.get(name) == ENERGY_OF_ALL:
+            self.quantity, self.name = "energy", None
         if n and "h" in self.settings:  # of one step, which begins at 0
             self.settings["t"], self.sure = int(n) * self.settings["h"], True
 
@@ -323,10 +333,12 @@ class _Reader:
         """Read what stands right before and behind the number: "divides by", %, "times as large", "steps"."""
         if _DIVIDES.search(self.before) or re.search(r"\blog ?_?2 ?\(?\Z", self.before):
             self.quantity = "ratio"
+        elif not self.quantity and _ORDERS.search(self.before.removesuffix(rest_of_list(self.before, "")[0])):
+            self.quantity = "order"
         if more := _AFTER.match(self.text, self.end):
             of_energy = more["percent"] and (
                 self.quantity in ("energy", "relative_energy")
-                or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}energy", self.text[self.end :])
+                or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}{ENERGY}", self.text[self.end :])
             )
             counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
             self.quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
@@ -343,7 +355,7 @@ class _Reader:
         decimal = "." in self.text[self.start : self.end]
         if re.fullmatch(ORDER_OF_COLUMN, self.head) and decimal and any(is_head_of("h", x) for x in heads):
             self.quantity = "observed_order"
-        if _RELATIVE.fullmatch(self.head) and any("energy" in x for x in heads):
+        if _RELATIVE.fullmatch(self.head) and any(re.search(ENERGY, x) for x in heads):
             more = _AFTER.match(self.text, self.end)
             self.quantity = "part_of_energy" if more and more["percent"] else "relative_energy"
         written = [cell.head_written for cell in self.row if cell.start <= self.start][-1:]

@@ -29,8 +29,8 @@ _FACTOR = r"(?:[0-9]+(?:\.[0-9]+)?|(?:[A-Za-z]|[α-ω])(?:_\w)?(?![A-Za-z]))"
 _LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)?\Z")
 _LONGEST_LEAD = 40
 _ENERGY = re.compile(
-    r"(?<!\w)(?:(?:H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
-    r"[A-Z] ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))(?P<energy>[^=≤≥≈<>:;]{1,200})"
+    r"(?<!\w)(?:(?P<name>H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
+    r"(?P<letter>[A-Z]) ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))(?P<energy>[^=≤≥≈<>:;]{1,200})"
 )
 _EQUATION = re.compile(
     r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
@@ -108,11 +108,21 @@ def speeds_named(text: str, name: str) -> list[str]:
     >>> speeds_named("θ'' = -sin θ", "theta"), speeds_named("θ'' = -ω² sin θ", "theta")
     (['v', 'omega'], ['v'])
     """
-    said = rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])"
+    said = rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=^])"
     equations = with_greek_spelled(" ".join(text[start:end] for start, end in equations_in(text)))
     usual = ["v", *["omega"] * (name in _ANGLES)]
     usual = [speed for speed in usual if not re.search(rf"(?<![A-Za-z]){speed}(?![A-Za-z])", equations)]
     return [*re.findall(said, with_greek_spelled(text)), *usual]
+
+
+def energies_named(text: str, unknowns: Collection[str]) -> set[str]:
+    """The letters, in lower case, that the text defines as energies or invariants in these unknowns; not h, a step.
+
+    >>> energies_named("The quantity V = x - ln x + y - ln y is conserved.", ["x", "y"])
+    {'v'}
+    """
+    found = (x for x in _ENERGY.finditer(text) if not {*unknowns}.isdisjoint(_WORD.findall(plain(x["energy"]).lower())))
+    return {(x["letter"] or x["name"] or "").lower() for x in found} - {*unknowns, "h", ""}
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:

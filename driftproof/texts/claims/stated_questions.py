@@ -12,6 +12,7 @@ from itertools import chain, compress, islice, pairwise, product
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.texts.claims.contradictions import (
+    ENERGY,
     SETTING,
     methods_compared,
     methods_in_full,
@@ -44,7 +45,7 @@ LIMIT = re.compile(
 )
 # A number of steps that goes with a step size, as in "takes 20 steps of h = 0.05".
 _TAKES = re.compile(r"[0-9] steps (?:of|with) |\b(?:needs?|takes?|makes?|costs?) [0-9]+ steps")
-_OF_RATIOS = "factor|ratio|times (?:as|smaller|larger)|divides|fall by"
+_OF_RATIOS = "factor|ratio|times (?:as|smaller|larger|that of)|divide[sd]|fall by"
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Characters before a step size in which a word may make it a limit.
 _BEFORE = 80
@@ -204,7 +205,7 @@ class _OfProblem:
         yield from (f"abs({run} : {change})" for change in self.changes)
         relative = [f"{run} : relative_energy_change", f"abs({run} : relative_energy_change)"]
         shares = map(SHARE.format, relative) if self.percent else ()
-        yield from relative if "relative energy" in self.lower else shares
+        yield from relative if re.search(rf"relative {ENERGY}", self.lower) else shares
 
     def _of_ratios(self, runs: Sequence[tuple[Fraction, list[Fraction]]]) -> Iterator[str]:
         """The ratios of the errors with one step size and the next shorter one, and the orders that they show."""

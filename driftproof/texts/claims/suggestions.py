@@ -126,7 +126,7 @@ class Suggestions(LookAlikes):
             return False
         if known.rank < 2 and here.is_of_another(known.question):
             return False
-        if known.stated and here.is_of_others(known.question):
+        if known.stated and (here.is_of_others(known.question) or self._is_kept_energy(known, number) > here.own):
             return False
         # The force at the start, which a code may need once more, is no slip.
         one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1

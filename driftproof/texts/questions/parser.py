@@ -88,11 +88,16 @@ class Query:
 Node: TypeAlias = ExpressionNode | Query
 
 
-def parse_question(question: str) -> Node:
-    """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
+def parsed_spelling(question: str) -> str:
+    """The question as it is parsed: Greek letters are spelled out, and equations are of first order."""
     question = of_first_order(with_greek_spelled(question))
     question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
-    question = with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
+    return with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
+
+
+def parse_question(question: str) -> Node:
+    """Parse a question into its tree, with columns in its `parsed_spelling`; accents are ignored. Raises QuestionError."""
+    question = parsed_spelling(question)
     try:
         node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
     except QuestionError as error:
@@ -109,6 +114,7 @@ class _QuestionParser(PieceParser):
     def _atom(self) -> Any:
         """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
         counted = self.next.text != "one" and not self.in_rate and self._is_count(self.at)
+        counted = counted or (self.next.kind in (NUMBER, NAME) and bool(self.lead(self.next)))
         run = self.next._replace(kind=NAME, text="run")
         return self.query(self.next, run, defaultdict(dict)) if counted else super()._atom()
 
@@ -179,6 +185,8 @@ class _QuestionParser(PieceParser):
                 head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
             else:
                 self.part(token, parts)
+        if head.text == "run" and "subject" in parts and parts["subject"].text == "exact":  # I(0.25) of the exact solution
+            head = head._replace(text=parts.pop("subject").text)
         if (colon := self.accept(":")) and self.after(self.at).text == "(":
             self.part(self.take(), parts)  # y(1)
         elif colon:
@@ -236,10 +244,12 @@ class _QuestionParser(PieceParser):
             said = self.text[max(of_it.column - 2, 0) : of_it.end].strip(" ,()") if of_it else "METHOD"
             meant = wording.AMBIGUOUS_FACTS[text].replace("METHOD", said)
             if stated:  # ready to be asked of the problem, at its time
-                end = next(iter(re.findall(r"(?<!\w)t ?= ?[0-9./]+", self.text)), "t=1")
-                meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(
-                    " t=1", f", {end}"
-                )
+                meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(" t=", ", t=")
+            given = {x: re.findall(rf"(?<!\w){x} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)", self.text) for x in "th"}
+            if given["h"]:
+                given["h"] = [*given["h"], str(Fraction(given["h"][0]) / 2)][:2]
+            for usual, own in zip(("t=1", "h=1/10", "h=1/20"), (*(given["t"] or "1")[:1], *given["h"]), strict=False):
+                meant = re.sub(rf"{usual}\b", f"{usual[:2]}{own}", meant)
             raise self.error(name, f"{text} may mean {meant}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
@@ -257,10 +267,10 @@ class _QuestionParser(PieceParser):
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
             ends = [token.text for token in self.tokens[self.at + 4 : self.at + 6]]  # of y(1) at the end, or y(0)=1
-            said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
+            said = said or self.lead(self.tokens[self.at + 1]) or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
             if said or after[:1] == ["="] or after in (["'", "="], ["'", "("]) or name in ("at", "from"):
                 self.take()
-        return self.next.kind == NAME or self._is_count(self.at)
+        return self.next.kind == NAME or self._is_count(self.at) or bool(self.lead(self.next))
 
     def _is_count(self, at: int) -> bool:
         """True if a count of steps or periods, in digits or as a word, begins at this token."""
@@ -333,9 +343,12 @@ class _QuestionParser(PieceParser):
 
     def _equation(self, token: Token, parts: dict[str, Any]) -> bool:
         """Parse y' = ..., dy/dt = ..., y(0) = ... or, at the end of a question, y(1); False if it is none of them."""
+        if lead := self.lead(token):
+            self.at = next(i for i, x in enumerate(self.tokens) if x.column > token.column + len(lead) and x.kind == NAME)
+            token = self.take()
         after = self.after(self.at)
         if self.next.text == "'" and after.text in ("=", "(", "'"):
-            self.put(parts["rates"], token, token.text, self.rate)
+            self.put(parts["rates"], token, token.text, lambda: self.rate(lead))
         elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
             self.take()
             self.put(parts["rates"], token, token.text[1:], self.rate)
@@ -380,6 +393,8 @@ class _QuestionParser(PieceParser):
             raise self.error(token, self._why_unexpected(token))
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
+            if parts[key].text == "exact":
+                self.accept("solution")
 
     def _why_unexpected(self, token: Token) -> str:
         from driftproof.numeric.problems.catalogue import PROBLEMS

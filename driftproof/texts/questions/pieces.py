@@ -11,12 +11,14 @@ from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
+from driftproof.methods.field_text import LEAD
 from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
-# What has a derivative in an equation.
+# The factors before a derivative in an equation, and what has one.
+_LEAD = re.compile(rf"{LEAD}+(?=[^\W\d]\w* ?' ?(?:\(t\) ?)?=)")
 UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 
 
@@ -148,8 +150,16 @@ class PieceParser(ExpressionParser):
         ends.append(last.column)
         return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
 
-    def rate(self) -> Token:
-        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query."""
+    def lead(self, first: Token) -> str:
+        """The factors before a derivative, as in L*x' = ..., that begin with this token; "" for none."""
+        found = None if self.in_rate else _LEAD.match(self.text, first.column - 1)
+        return found[0].rstrip(" *") if found else ""
+
+    def rate(self, lead: str = "") -> Token:
+        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query.
+
+        It is divided by the factors of the derivative, its `lead`.
+        """
         prime = self.take()
         if self.next.text == "'":
             raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")
@@ -163,7 +173,8 @@ class PieceParser(ExpressionParser):
             raise self.error(
                 self.next, f"{self.next.shown} is not an unknown or a function; write a product as t*y or t y"
             )
-        return self.piece(first.column, self.tokens[self.at - 1].end)
+        found = self.piece(first.column, self.tokens[self.at - 1].end)
+        return found._replace(text=f"({found.text})/({lead})") if lead else found
 
     def continues(self) -> bool:
         """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""
