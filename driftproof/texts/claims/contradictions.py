@@ -73,9 +73,11 @@ _NO_SUBJECT = re.compile(
 )
 # Behind the ratio of the errors of two methods, up to the second of them.
 _TIMES_AS = re.compile(
-    r" times (?:(?P<of>that|the error) of (?:the )?|(?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
+    r" times (?:(?P<of>that|the error) of (?:the )?|"
+    r"(?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
     r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
-    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z))))"
+    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|"
+    r"(?=[ .]*(?:[,;)]|\Z))))"
 )
 _ERROR_IS = re.compile(r"\berrors? of [^,;]*\Z")
 # Before such a ratio without the second method; steps, or errors of another kind, that it may be of instead.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -38,6 +38,8 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
+# Chosen: so many numbers of a table, all wrong, are no slips of theirs.
+_FEWEST_OFF = 4
 # A decimal of a program.
 _DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 
@@ -199,6 +201,21 @@ class NamedPlaces:
                     tally[table, column].append(agrees)
                     tally[table, -1].append(agrees)
         return {x: sum(of) >= max(2 + (x[1] < 0), len(of) / 2) for x, of in tally.items()}
+
+    def tables_off(self) -> Iterator[tuple[list[TextNumber], KnownValue]]:
+        """The numbers of each table none of which, of four or more, is what its place means, and what the first is not.
+
+        Numbers of three digits are so by chance once in 900 each: such a table is of another problem than the one read.
+        """
+        tables = defaultdict[int, list[tuple[TextNumber, list[KnownValue]]]](list)
+        for (table, _), numbers in self._company.items() if self.values.stated else ():
+            told = [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2]
+            meant = [[known for known in self._meant_at(x) if known.stated] for x in told]
+            tables[table] += [pair for pair in zip(told, meant, strict=True) if pair[1]]
+        for of in tables.values():
+            right = (known in self.values.written_like(x) for x, meant in of for known in meant)
+            if len(of) >= _FEWEST_OFF and not any(right):
+                yield [x for x, _ in of], of[0][1][0]
 
     def says_all(self, number: TextNumber) -> bool:
         """True if its sentence says all of what a number is: of the start, or with method, step size and quantity.

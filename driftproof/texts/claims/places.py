@@ -52,7 +52,8 @@ _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0
 # A quantity whose own value is given, so that what follows is another one.
 _WITH_VALUE = re.compile(rf"(?:{QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
-    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger|that of)|(?P<count>evaluations|calls|(?:time )?steps))"
+    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger|that of)|"
+    r"(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"

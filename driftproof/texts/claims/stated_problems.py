@@ -30,7 +30,8 @@ _LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)
 _LONGEST_LEAD = 40
 _ENERGY = re.compile(
     r"(?<!\w)(?:(?P<name>H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
-    r"(?P<letter>[A-Z]) ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))(?P<energy>[^=≤≥≈<>:;]{1,200})"
+    r"(?P<letter>[A-Z]) ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))"
+    r"(?P<energy>[^=≤≥≈<>:;]{1,200})"
 )
 _EQUATION = re.compile(
     r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"

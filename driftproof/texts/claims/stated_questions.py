@@ -40,8 +40,8 @@ _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
 )
 # Words before the limit of a step size, as in stable up to h = 1.4.
 LIMIT = re.compile(
-    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
-    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
+    r"\b(?:(?:up to|out to|until)(?! ?t\b)|at most|stable for|limit|largest step|allows?|tolerates?|permits?|"
+    r"needs?|requires?|below|(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
 )
 # A number of steps that goes with a step size, as in "takes 20 steps of h = 0.05".
 _TAKES = re.compile(r"[0-9] steps (?:of|with) |\b(?:needs?|takes?|makes?|costs?) [0-9]+ steps")

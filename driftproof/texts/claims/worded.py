@@ -22,7 +22,9 @@ from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_setti
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.
-_OF_PART = re.compile(r"\b(?:errors?|that of|those of|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b")
+_OF_PART = re.compile(
+    r"\b(?:errors?|th(?:at|ose) of|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b"
+)
 _IS_OF = r" (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? "
 _ARE_OF = r" (?:are|were)(?: also| both| all)? of(?: the)? "
 _SAID_BEFORE = re.compile(r" (?:is|are|was|were)(?: also| both| all)? of(?: the)? \w+ order\b")
@@ -96,7 +98,7 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
 
 
 def _name_of_error(word: str, before: str, after: str) -> str | None:
-    """The name of the method whose error a word says to change: beside it, or whose order the sentence has just told."""
+    """The name of the method whose error a word says to change: beside it, or that whose order was just told."""
     said = _SAID_BEFORE.search(before)
     subject, rest = (name_before(before[: said.start()], ""), before[said.end() :]) if said else (None, "")
     if word not in _POWERS_OF_TWO:
@@ -106,7 +108,8 @@ def _name_of_error(word: str, before: str, after: str) -> str | None:
         return None
     if re.search(r"\b(?:errors?|that) of (?:the )?\S+(?: \S+){0,4} \Z", before):
         return name_before(before, rf" (?:is |becomes )?{_ABOUT}")
-    return subject if re.fullmatch(rf"{_FOLLOWS}(?:makes )?(?:the|its) errors? (?:is |becomes )?{_ABOUT}", rest) else None
+    follows = rf"{_FOLLOWS}(?:makes )?(?:the|its) errors? (?:is |becomes )?{_ABOUT}"
+    return subject if re.fullmatch(follows, rest) else None
 
 
 def _name_behind(after: str, words: str, ends: str = "") -> str | None:

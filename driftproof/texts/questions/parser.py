@@ -96,7 +96,7 @@ def parsed_spelling(question: str) -> str:
 
 
 def parse_question(question: str) -> Node:
-    """Parse a question into its tree, with columns in its `parsed_spelling`; accents are ignored. Raises QuestionError."""
+    """Parse a question into its tree, whose columns are those of `parsed_spelling`. Raises QuestionError."""
     question = parsed_spelling(question)
     try:
         node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
@@ -114,7 +114,7 @@ class _QuestionParser(PieceParser):
     def _atom(self) -> Any:
         """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
         counted = self.next.text != "one" and not self.in_rate and self._is_count(self.at)
-        counted = counted or (self.next.kind in (NUMBER, NAME) and bool(self.lead(self.next)))
+        counted = counted or self.leads(self.at)
         run = self.next._replace(kind=NAME, text="run")
         return self.query(self.next, run, defaultdict(dict)) if counted else super()._atom()
 
@@ -185,8 +185,8 @@ class _QuestionParser(PieceParser):
                 head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
             else:
                 self.part(token, parts)
-        if head.text == "run" and "subject" in parts and parts["subject"].text == "exact":  # I(0.25) of the exact solution
-            head = head._replace(text=parts.pop("subject").text)
+        if head.text == "run" and "subject" in parts and parts["subject"].text == "exact":
+            head = head._replace(text=parts.pop("subject").text)  # I(0.25) of the exact solution
         if (colon := self.accept(":")) and self.after(self.at).text == "(":
             self.part(self.take(), parts)  # y(1)
         elif colon:
@@ -267,10 +267,10 @@ class _QuestionParser(PieceParser):
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
             ends = [token.text for token in self.tokens[self.at + 4 : self.at + 6]]  # of y(1) at the end, or y(0)=1
-            said = said or self.lead(self.tokens[self.at + 1]) or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
+            said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="])) or self.leads(self.at + 1)
             if said or after[:1] == ["="] or after in (["'", "="], ["'", "("]) or name in ("at", "from"):
                 self.take()
-        return self.next.kind == NAME or self._is_count(self.at) or bool(self.lead(self.next))
+        return self.next.kind == NAME or self._is_count(self.at) or self.leads(self.at)
 
     def _is_count(self, at: int) -> bool:
         """True if a count of steps or periods, in digits or as a word, begins at this token."""
@@ -286,7 +286,8 @@ class _QuestionParser(PieceParser):
         names = tuple(rates) if isinstance(rates, dict) else ()
         if isinstance(start, dict):
             if missing := [name for name in (*names, *start) if name not in start or name not in names]:
-                lacks = f"{missing[0]}(0)" if missing[0] in names else f"{missing[0]}'"
+                name, of = missing[0], missing[0].removeprefix("d")
+                lacks = f"{of}'(0)" if of != name and of in names else f"{name}(0)" if name in names else f"{name}'"
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
             velocity = {name: said for name in names if (said := rates[name].text.strip()) in names}
             if {*velocity, *velocity.values()} == {*names} and not velocity.keys() & velocity.values():
@@ -343,9 +344,7 @@ class _QuestionParser(PieceParser):
 
     def _equation(self, token: Token, parts: dict[str, Any]) -> bool:
         """Parse y' = ..., dy/dt = ..., y(0) = ... or, at the end of a question, y(1); False if it is none of them."""
-        if lead := self.lead(token):
-            self.at = next(i for i, x in enumerate(self.tokens) if x.column > token.column + len(lead) and x.kind == NAME)
-            token = self.take()
+        token, lead = self.without_lead(token)
         after = self.after(self.at)
         if self.next.text == "'" and after.text in ("=", "(", "'"):
             self.put(parts["rates"], token, token.text, lambda: self.rate(lead))

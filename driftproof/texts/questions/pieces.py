@@ -150,10 +150,16 @@ class PieceParser(ExpressionParser):
         ends.append(last.column)
         return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
 
-    def lead(self, first: Token) -> str:
-        """The factors before a derivative, as in L*x' = ..., that begin with this token; "" for none."""
-        found = None if self.in_rate else _LEAD.match(self.text, first.column - 1)
-        return found[0].rstrip(" *") if found else ""
+    def leads(self, at: int) -> bool:
+        """True if factors before a derivative, as in L*x' = ..., begin with the token of this index."""
+        return not self.in_rate and _LEAD.match(self.text, self.tokens[at].column - 1) is not None
+
+    def without_lead(self, first: Token) -> tuple[Token, str]:
+        """The name behind the factors that begin with a token just taken, and these; itself and "" for none."""
+        found = _LEAD.match(self.text, first.column - 1)
+        while found and first.column <= found.end():
+            first = self.take()
+        return first, found[0].rstrip(" *") if found else ""
 
     def rate(self, lead: str = "") -> Token:
         """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query.
