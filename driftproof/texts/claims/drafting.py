@@ -14,9 +14,9 @@ from typing import NamedTuple
 from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, problems_named_once, uncovered
+from driftproof.texts.claims.method_names import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase, digits_of
 from driftproof.texts.claims.stated_facts import Said, properties_in

@@ -7,7 +7,8 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import ENERGY, POSITIVE, SETTING, methods_named, spoken_names
+from driftproof.texts.claims.contradictions import ENERGY, POSITIVE, SETTING
+from driftproof.texts.claims.method_names import methods_named, spoken_names
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
@@ -23,7 +24,6 @@ _MOST_OF = r"(?:largest|biggest|greatest|worst|max(?:imum|imal)?\.?)"
 _DRIFT = r"(?:errors?|drift|change|deviation)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 # What is largest on the way is not what is at the end; no readout gives the largest part of something.
-LARGEST = "largest_"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
     "largest_part": rf"{_MOST_OF} relative \w+",

@@ -9,27 +9,16 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 from driftproof.texts.claims.checking import Span
-from driftproof.texts.claims.contradictions import (
-    SETTING,
-    is_one_name,
-    methods_in_full,
-    methods_named,
-    sentence_around,
-)
+from driftproof.texts.claims.contradictions import SETTING, asked_quantity, asked_settings, sentence_around
 from driftproof.texts.claims.heads import is_head_of, leaves_quantity
+from driftproof.texts.claims.method_names import is_one_name, methods_asked, methods_in_full, methods_named
 from driftproof.texts.claims.phrases import digits_of
-from driftproof.texts.claims.places import (
-    ENERGY_OF_ALL,
-    Place,
-    asked_quantity,
-    asked_settings,
-    place_of,
-)
-from driftproof.texts.claims.possible_values import KnownValue, PossibleValues
+from driftproof.texts.claims.places import COMPARED, ENERGY_OF_ALL, Place, place_of
+from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, KnownValue, PossibleValues
 from driftproof.texts.claims.stated_problems import energies_named, speeds_named
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of
@@ -232,6 +221,52 @@ class NamedPlaces:
         at_start = "t" in near and not place.settings["t"] and place.quantity == "energy"
         whole = place.own and near >= {"h"} and "t" in place.settings and place.quantity in ("energy", "error", "steps")
         return not self.tables.row_of(number) and (at_start or whole)
+
+    def _is_of_unsaid_runs(self, number: TextNumber) -> bool:
+        """True for one of several ratios of a sentence, if the step sizes that they compare are not said."""
+        place = self._place_of(number)
+        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
+            return False
+        before, after = sentence_around(self._lower, number.start, number.end)
+        first, last = number.start - len(before), number.end + len(after)
+        others = [x for x in self._numbers if first <= x.start < last and x != number and "." in x.text]
+        return any(self._place_of(x).quantity in COMPARED for x in others)
+
+    @cached_property
+    def _methods_run(self) -> set[str]:
+        """The methods that have values on the problems of the text."""
+        return set().union(*(known.keys for known in self.values.known if known.stated))
+
+    def _is_of_unnamed_method(self, number: TextNumber) -> bool:
+        """True in a row whose label is no name of a method, if those of other rows of its column are."""
+        if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
+            return False
+        return any(self._place_of(x).methods for x in self._company[self.tables.column_place(number)])
+
+    def methods_beside(self, number: TextNumber) -> set[str]:
+        """The methods that the row and the head of the number, or its sentence, name."""
+        row = self.tables.row_of(number)
+        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
+        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
+
+    def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:
+        """True if the number's row and column give another method, step size, time or number of steps than asked."""
+        if not (row := self.tables.row_of(number)):
+            return False
+        beside, place = self.methods_beside(number), self._place_of(number)
+        if beside and (keys := methods_asked(question)) and keys.isdisjoint(beside):
+            return True
+        if question.startswith("exact ") and methods_named(self.tables.column_of(number)) and place.settings.get("t"):
+            return place.quantity != "exact"
+        of_row = asked_quantity(question)[0] in COMPARED
+        asked = {**(place.named_of(question) if of_row else asked_settings(question))}
+        counts = [Fraction(n) for n in COUNT_OF_STEPS.findall(question)]
+        counts = counts or [t / h for h, t in product(asked["h"], asked["t"])]
+        asked["t"] = asked["t"] or [n * h for h, n in product(asked["h"], counts)]
+        if any(asked[x] and place.settings[x] not in asked[x] for x in place.near & asked.keys()):
+            return True
+        said = [int(cell.text) for cell in row if is_head_of("n", cell.head) and re.fullmatch("[1-9][0-9]*", cell.text)]
+        return bool(counts and said) and said[-1] not in counts
 
     def is_signed(self, number: TextNumber) -> bool:
         """True if a number of its column has a sign."""

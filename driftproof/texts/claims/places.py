@@ -6,26 +6,23 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 
 from driftproof.texts.claims.contradictions import (
     ENERGY,
+    LARGEST,
     LISTED_NUMBER,
     SETTING,
-    begins_with_method,
-    last_methods_named,
-    methods_asked,
+    asked_quantity,
+    asked_settings,
     methods_compared,
-    methods_named,
     methods_said_of,
-    names_in_order,
     rest_of_list,
+    runs_asked,
     sentence_around,
     sentence_before,
 )
 from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
-    LARGEST,
     ORDER_OF_COLUMN,
     PAIR,
     QUANTITY,
@@ -34,6 +31,13 @@ from driftproof.texts.claims.heads import (
     is_head_of,
     leaves_quantity,
     without_methods,
+)
+from driftproof.texts.claims.method_names import (
+    begins_with_method,
+    last_methods_named,
+    methods_asked,
+    methods_named,
+    names_in_order,
 )
 from driftproof.texts.claims.settings_named import BESIDE_NUMBER, FARTHEST, settings_named
 from driftproof.texts.claims.tables import Cell
@@ -74,6 +78,8 @@ _CHANGES = (
 _CHANGED = re.compile(rf"(?<![\w.])([a-z]) (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 OF_EACH_STEP = re.compile(rf"{PERCENT}[^.;:,]{{0,30}} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
+# What may be the ratio of two errors is before it.
+_TIMES = re.compile(r"[-_\s]+times\b")
 # A ratio of errors follows, but for other words, or has been said.
 _DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby\s(?:[-+]?[0-9.]+)?\Z", re.DOTALL)
 # A list of orders follows.
@@ -168,46 +174,6 @@ class Place:
         if quantity not in alike or self.is_of_others(question):
             return False
         return all(self.settings.get(x) in given for x, given in self.named_of(question).items() if given)
-
-
-@cache
-def asked_settings(question: str) -> dict[str, list[Fraction]]:
-    """The step sizes, times and arguments of stability functions in a question, by letter."""
-    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
-
-
-def runs_asked(question: str) -> tuple[str, ...]:
-    """The keys of the methods of the runs in a question, in their order."""
-    return (*re.findall(r"\brun (\w+)", question),)
-
-
-@cache
-def asked_quantity(question: str) -> tuple[str, str]:
-    """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
-    readout = re.sub(r"\).*", "", question.removesuffix(", 1)").rpartition(" : ")[2])
-    kind, _, unknown = readout.rpartition(".")
-    unknown = (
-        "" if "rates=" in question or " : " not in question else unknown
-    )  # y0, y1, ... need not be the names in the text
-    if question.startswith("stability_function "):
-        return "stability", ""
-    if question.startswith(("ratio(", "R(", "log2(ratio(", "ln(ratio(")):
-        return "observed_order" if question.startswith("l") else "ratio", readout.partition(".")[2]
-    if " : " not in question:
-        return question.partition(" ")[0], ""
-    if question.startswith("percent("):
-        return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
-    if readout.startswith(LARGEST):
-        return readout, ""
-    if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
-        return readout.removeprefix("state_").removeprefix("position_"), ""
-    if readout in ("energy", "energy_change", "relative_energy_change"):
-        return "relative_energy" if readout[0] == "r" else "energy", ""
-    if kind[:1] == "k" or kind in ("embedded", "estimate"):
-        return kind, "" if kind[:1] == "k" else unknown
-    if kind == "error":
-        return kind, unknown
-    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
 
 
 def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Mapping[str, str]) -> Place:
@@ -370,7 +336,8 @@ class _Reader:
     def _read_comparison(self) -> None:
         """Read which errors a ratio or an order compares: of two methods, or of two step sizes as in "0.1 to 0.05"."""
         if not self.row:
-            self.compared = methods_compared(self.before, self.after, sentence_before(self.text, self.start))
+            if _TIMES.match(self.after):
+                self.compared = methods_compared(self.before, self.after, sentence_before(self.text, self.start))
             self.near |= {"h"} if _SAME_STEP.search(self.before) else set()
         if self.compared or self.quantity not in {"steps", *COMPARED}:
             return

@@ -21,7 +21,8 @@ from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import SETTING, sentence_around
+from driftproof.texts.claims.method_names import lowered, methods_asked, methods_named
 from driftproof.texts.claims.phrases import NumberForm, form_of, spelled
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS

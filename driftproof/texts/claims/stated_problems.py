@@ -11,7 +11,7 @@ from itertools import chain, pairwise
 
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import spoken_names
+from driftproof.texts.claims.method_names import spoken_names
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_calls_bracketed, with_greek_spelled, with_roots_spelled, with_time

@@ -11,17 +11,9 @@ from itertools import chain, compress, islice, pairwise, product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.texts.claims.contradictions import (
-    ENERGY,
-    SETTING,
-    methods_compared,
-    methods_in_full,
-    methods_named,
-    sentence_around,
-    sentence_before,
-    starters_said,
-)
+from driftproof.texts.claims.contradictions import ENERGY, SETTING, methods_compared, sentence_around, sentence_before
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, QUANTITY, is_head_of
+from driftproof.texts.claims.method_names import methods_in_full, methods_named, starters_said
 from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems

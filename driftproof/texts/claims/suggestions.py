@@ -13,11 +13,12 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import asked_quantity, asked_settings, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlike, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.method_names import methods_asked, methods_named
 from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, slips, spelled
-from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
+from driftproof.texts.claims.places import COMPARED
 from driftproof.texts.claims.possible_values import SHARE, SIZE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer

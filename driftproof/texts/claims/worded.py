@@ -8,7 +8,9 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from driftproof.texts.claims.contradictions import (
+from driftproof.texts.claims.contradictions import asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.heads import PAIR
+from driftproof.texts.claims.method_names import (
     flat,
     last_methods_named,
     methods_named,
@@ -17,8 +19,7 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     spoken_names,
 )
-from driftproof.texts.claims.heads import PAIR
-from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.places import COMPARED
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.
