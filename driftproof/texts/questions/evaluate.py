@@ -16,7 +16,8 @@ from driftproof.methods.schemes import MethodError
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
-from driftproof.texts.questions.parser import Node, Query, parse_question, parsed_spelling
+from driftproof.texts.questions.parser import Node, Query, parse_question
+from driftproof.texts.questions.pieces import parsed_spelling
 from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT, LARGEST_STEP, names_that_ask
 

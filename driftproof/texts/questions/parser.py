@@ -27,20 +27,11 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
-from driftproof.methods.field_text import of_first_order
 from driftproof.methods.schemes import Splitting
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import (
-    OWN_PI,
-    UNKNOWNS,
-    PieceParser,
-    with_calls_bracketed,
-    with_greek_spelled,
-    with_powers_of_e,
-    with_time,
-)
+from driftproof.texts.questions.pieces import OWN_PI, PieceParser, parsed_spelling
 
 SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
 PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
@@ -54,11 +45,6 @@ _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
-
-
-# The equations of a question, and its settings behind them.
-_STATED = re.compile(r"\b\w+''?(?:\(t\))? ?=.*")
-_SETTINGS = re.compile(r",?(?: with| at)? (?<!\w)[htN] ?= ?[0-9./]+")
 
 
 @dataclass(frozen=True)
@@ -86,13 +72,6 @@ class Query:
 
 
 Node: TypeAlias = ExpressionNode | Query
-
-
-def parsed_spelling(question: str) -> str:
-    """The question as it is parsed: Greek letters are spelled out, and equations are of first order."""
-    question = of_first_order(with_greek_spelled(question))
-    question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
-    return with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
 
 
 def parse_question(question: str) -> Node:
@@ -235,22 +214,14 @@ class _QuestionParser(PieceParser):
         if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
             text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
         if text in wording.AMBIGUOUS_FACTS:
-            stated = _STATED.search(self.text)
-            if stated and wording.AMBIGUOUS_FACTS[text] == wording.LIMITS and wording.STEP_LIMITS.fullmatch(text):
+            limits = wording.AMBIGUOUS_FACTS[text] == wording.LIMITS and wording.STEP_LIMITS.fullmatch(text)
+            if limits and wording.STATED.search(self.text):
                 return name._replace(text=wording.LARGEST_STEP)
             rest = (self.method_name(x) for x in iter(self.take, self.tokens[-1]) if x.text not in wording.SAY_NOTHING)
             named = (x for x in rest if len(keys_of_name(x.text)) == 1 or x.text.endswith(".toml"))
             of_it = parts.get("subject") or next(named, None)
             said = self.text[max(of_it.column - 2, 0) : of_it.end].strip(" ,()") if of_it else "METHOD"
-            meant = wording.AMBIGUOUS_FACTS[text].replace("METHOD", said)
-            if stated:  # ready to be asked of the problem, at its time
-                meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(" t=", ", t=")
-            given = {x: re.findall(rf"(?<!\w){x} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)", self.text) for x in "th"}
-            if given["h"]:
-                given["h"] = [*given["h"], str(Fraction(given["h"][0]) / 2)][:2]
-            for usual, own in zip(("t=1", "h=1/10", "h=1/20"), (*(given["t"] or "1")[:1], *given["h"]), strict=False):
-                meant = re.sub(rf"{usual}\b", f"{usual[:2]}{own}", meant)
-            raise self.error(name, f"{text} may mean {meant}: say which")
+            raise self.error(name, f"{text} may mean {wording.meanings(text, said, self.text)}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self, parts: Mapping[str, Any]) -> bool:

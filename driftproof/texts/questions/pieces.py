@@ -11,7 +11,7 @@ from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
-from driftproof.methods.field_text import LEAD
+from driftproof.methods.field_text import LEAD, of_first_order
 from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
@@ -54,6 +54,13 @@ def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
     """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
     power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"
     return text if "e" in unknowns else re.sub(power, lambda to: f"exp({to[1] or to[2]})", text)
+
+
+def parsed_spelling(question: str) -> str:
+    """The question as it is parsed: Greek letters are spelled out, and equations are of first order."""
+    question = of_first_order(with_greek_spelled(question))
+    question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
+    return with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
 
 
 @cache
