@@ -66,12 +66,12 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1341,
-    "methods": 5583,
+    "methods": 5585,
     "symbolic": 10676,
     "numeric": 4695,
     "blackbox": 24069,
     "enclosure": 5802,
-    "texts": 11584,
+    "texts": 11833,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6447
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
