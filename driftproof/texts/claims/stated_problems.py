@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 from driftproof.methods.field_text import rate_of_text
@@ -162,8 +162,8 @@ def stated_problems(text: str) -> Iterator[StatedProblem]:
     One that is not understood has no rates.
     """
     systems, spelled = _systems(text), with_greek_spelled(text)
-    ends, before = [*(one.start for one in systems[1:]), len(text)], list[str]()
-    for (start, raw, leads), end in zip(systems, ends, strict=True):
+    before = list[str]()
+    for (start, raw, leads), (end, *_) in pairwise([*systems, _System(len(text), {}, {})]):
         own, part = [*raw], text[:end]
         raw, energies = _with_speeds(raw, text)
         if not any("x" in one.raw for one in systems):  # y' = x + y: the time is called x
