@@ -66,14 +66,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1341,
-    "methods": 5605,
+    "methods": 5607,
     "symbolic": 10698,
-    "numeric": 4703,
-    "blackbox": 24128,
+    "numeric": 4721,
+    "blackbox": 24168,
     "enclosure": 5834,
-    "texts": 11582,
+    "texts": 11831,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6459
+BUDGET_OF_REPORTS_AND_FRONT = 6462
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

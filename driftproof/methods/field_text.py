@@ -81,7 +81,9 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _BETWEEN = re.compile(r";|(?<!\d),|,(?!\d)")
 _EQUATION = re.compile(r"\s*([A-Za-z_]\w*)\s*'\s*=(.*)", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_]\w*)\s*=([^=']+)")
-_SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
+# Factors before a derivative, as in L C x'' = -x and 2*x' = 1: letters, and numbers with their sign.
+LEAD = r"(?:(?<![\w.'])(?:[0-9.]+ ?\*|[A-Za-z](?:_\w)? ?(?:\*|(?<= ))) ?)"
+_SECOND = re.compile(rf"({LEAD}*)\b([^\W\d]\w*)(?:['′’]{{2}}|[″\"]) ?(?:\(t\))?(?= ?=)")
 _FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
 
@@ -192,7 +194,7 @@ def _rates(given: object) -> list[str] | dict[str, str]:
         texts = _apart(of_first_order(given))
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
         settings = {found[1]: found[2] for text in texts if equations and (found := _SETTING.fullmatch(text))}
-        velocities = {f"d{name}" for name in _SECOND.findall(given)}  # stand behind all positions
+        velocities = {f"d{name}" for _, name in _SECOND.findall(given)}  # stand behind all positions
         names = sorted(equations, key=velocities.__contains__)
         known = {name: f"({setting})" for name, setting in settings.items()}
         rates = {name: _WORD.sub(lambda word: known.get(word[0], word[0]), equations[name]) for name in names}
@@ -211,9 +213,9 @@ def _apart(text: str) -> list[str]:
 
 def of_first_order(text: str) -> str:
     """The text with each equation of second order as two: x'' = -x as x'=dx, dx' = -x, and x'(0) as dx(0)."""
-    if of_second := "|".join({*_SECOND.findall(text)}):
+    if of_second := "|".join({name for _, name in _SECOND.findall(text)}):
         text = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", text)
-    return _SECOND.sub(r"\1'=d\1, d\1'", text)
+    return _SECOND.sub(r"\2'=d\2, \1d\2'", text)
 
 
 def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:

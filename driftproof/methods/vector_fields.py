@@ -98,12 +98,12 @@ class VectorField:
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
                 shown = repr(rate) if len(rate) <= _LONGEST_QUOTED else "no velocity"
-                said = f"rate {i} is {shown}; a second-order system needs {v!r}: positions come first"
+                said = f"the rate of y{i} is {shown}; a second-order system needs {v!r}: positions come first"
                 raise MethodError(self.in_own_words(said))
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
                 shown = f", {rate!r}," if len(rate) <= _LONGEST_QUOTED else ""
-                said = f"rate {i}{shown} reads the velocity {v}; kicks and drifts need accelerations"
+                said = f"the rate of y{i}{shown} reads the velocity {v}; kicks and drifts need accelerations"
                 raise MethodError(f"{self.in_own_words(said)} that depend on positions only")
         return positions, velocities
 

@@ -132,11 +132,11 @@ def _short(x):
     ("rates", "what"),
     [
         (("10 * (y1 - y0)", "-y0", "y1"), "a second-order system has as many velocities as positions, not 3 rates"),
-        (("2 * y1", "-y0"), r"rate 0 is '2 \* y1'; a second-order system needs 'y1'"),
-        (("y3", "y2", "-y0", "-y1"), "rate 0 is 'y3'; a second-order system needs 'y2': positions come first"),
-        ((f"y1{' * y0' * 10}", "-y0"), "rate 0 is no velocity; a second-order system needs 'y1'"),
-        (("y1", f"-y1{' * y0' * 10}"), "rate 1 reads the velocity y1; kicks"),
-        (("y1", "-y0 - y1"), "rate 1, '-y0 - y1', reads the velocity y1"),
+        (("2 * y1", "-y0"), r"the rate of y0 is '2 \* y1'; a second-order system needs 'y1'"),
+        (("y3", "y2", "-y0", "-y1"), "the rate of y0 is 'y3'; a second-order system needs 'y2': positions come first"),
+        ((f"y1{' * y0' * 10}", "-y0"), "the rate of y0 is no velocity; a second-order system needs 'y1'"),
+        (("y1", f"-y1{' * y0' * 10}"), "the rate of y1 reads the velocity y1; kicks"),
+        (("y1", "-y0 - y1"), "the rate of y1, '-y0 - y1', reads the velocity y1"),
         (("y2", "y3", "-y0", "sin(t) - y2 * y1"), "reads the velocity y2"),
     ],
 )

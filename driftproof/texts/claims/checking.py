@@ -13,7 +13,8 @@ from fractions import Fraction
 from itertools import islice, product
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import lowered, names_another_axis
+from driftproof.texts.claims.contradictions import names_another_axis
+from driftproof.texts.claims.method_names import lowered
 from driftproof.texts.claims.phrases import NUMBER_ENDS, Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.claims.places import place_of
 from driftproof.texts.claims.tables import tables_of

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache, lru_cache
-from itertools import product
+from functools import cache
 
-from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
-from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as, counted_names
+from driftproof.texts.claims.method_names import (
+    flat,
+    keys_by_name,
+    last_methods_named,
+    lists_of_methods,
+    methods_asked,
+    methods_named,
+    names_in_order,
+    places_named,
+    spoken_names,
+)
 from driftproof.texts.readers.number_words import UNIT_BEHIND
 from driftproof.texts.values.published import published_values
 
+# The energy of a problem, and what else a text may call it.
+ENERGY = "(?:energy|hamiltonian|invariant|conserved quantity|first integral)"
+# What begins the name of a quantity that is largest on the way of a run, not at its end.
+LARGEST = "largest_"
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
 _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
@@ -21,8 +33,7 @@ _QUANTITIES = {
     "error_constant": ("error constant", "dispersion|dissipation|limit|r|weights?|coefficients?|nodes?"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
-    "energy": ("energy", "phase|imaginary|error"),
-    "energy_change": ("energy", "phase|imaginary|error"),
+    **dict.fromkeys(("energy", "energy_change"), (ENERGY, "phase|imaginary|error")),
     "order": ("orders?", "stable|stability|limit|axis"),
     "steps": ("steps?", "calls?|evaluations?"),
     "evaluations": ("calls?|evaluations?", "steps?"),
@@ -46,22 +57,7 @@ _IN_FORMULA = (r"(?:[+*·×/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*·×/^
 # What ends a sentence. A line that ends in a word, such as RK4, or a comma goes on in the next one, unless an item or a
 # row begins.
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![^\W\d_][0-9])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
-# Names of several methods that a text may have for other reasons.
-_PEOPLE = {"Butcher", "Verner", "Gauss", "Suzuki", "Yoshida"}
-# What is no name of a method: the midpoint of a step, and a fraction.
-_PLAIN = re.compile(r"midpoint of |3/8(?! (?:rule|method|runge))")
-# A method with its order in brackets, as in RK(4).
-_BY_ORDER = re.compile(r"\b(rk|ab|am|bdf)\(([1-9])\)")
-# What a text says about the first values of a multistep method.
-_START = r"\b(?:start|bootstrap|initiali[sz]|first (?:step|value)|initial steps)"
-STARTING = re.compile(rf"(?:(?![.;,]\s)[^|()]){{0,60}}{_START}(?:(?!\.\s|;\s(?!we\b))[^|()]){{0,100}}")
-# Where the sentence goes on with another subject.
-_OF_OTHERS = re.compile(rf"{_START}.*?,\s(?=(?:and|but|while|whereas)\b)", re.DOTALL)
-_STARTED = re.compile(r"\bstarted\b|bootstrap|initiali[sz]|\b(?:starting|first) values?\b")
-_STARTS_WITH = re.compile(r"\bstarts? (?:with|by|from) (?:\w+ ){0,2}steps? (?:of|with|by)\b")
-_FROM_SOLUTION = re.compile(r"\bexact|\b(?:from|of|by|on|with) (?:the |its )?(?:true |known |analytic\w* )?solution\b")
-# A method with the words behind its name; numbers in a list, and settings; words before a method that is compared with.
-_METHOD = "(?:METHOD)(?:'s)?(?: (?:method|rule|scheme))?"
+# Numbers in a list, what joins them, and settings; words before a method that is compared with.
 LISTED_NUMBER = (
     r"(?<![\w.^])[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?(?:e[-+]?[0-9]+|(?: ?[×·] ?10\^\{?-?[0-9]+\}?))?(?![\w.]*\w)%?"
 )
@@ -72,10 +68,13 @@ _NO_SUBJECT = re.compile(
 )
 # Behind the ratio of the errors of two methods, up to the second of them.
 _TIMES_AS = re.compile(
-    r" times (?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
+    r" times (?:(?P<of>that|the error) of (?:the )?|"
+    r"(?:(?P<closer>(?:as|more) (?:accurate|precise|exact|good|small)|smaller|better|closer|less)|"
     r"(?:as|more) (?:large|big|great|inaccurate|bad)|less (?:accurate|precise|exact)|larger|bigger|greater|worse)"
-    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|(?=[ .]*(?:[,;)]|\Z)))"
+    r"(?:(?P<than>[^.;,]{0,40}? ?\b(?:than|as)(?: (?:that|those|the error) of| with)?(?: the)? )|"
+    r"(?=[ .]*(?:[,;)]|\Z))))"
 )
+_ERROR_IS = re.compile(r"\berrors? of [^,;]*\Z")
 # Before such a ratio without the second method; steps, or errors of another kind, that it may be of instead.
 _AN_ERROR = re.compile(r"\b(?:an?|its|whose) errors?(?: (?:is|about|some|only|roughly|nearly))* \Z")
 _OF_ELSE = re.compile(
@@ -86,8 +85,6 @@ _OF_ELSE = re.compile(
 _LONGEST_GAP = 60
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
-# Sentences and questions whose names of methods are kept: a draft asks for those of each of them hundreds of times.
-_MOST_KEPT = 2**13
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
 # Not the 1.2 of x, v, h = 1.2, 0.0, 0.1.
@@ -150,6 +147,46 @@ def _names_another_quantity(quantity: str, before: str, after: str) -> bool:
     return found is not None and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2]))
 
 
+@cache
+def asked_settings(question: str) -> dict[str, list[Fraction]]:
+    """The step sizes, times and arguments of stability functions in a question, by letter."""
+    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
+
+
+def runs_asked(question: str) -> tuple[str, ...]:
+    """The keys of the methods of the runs in a question, in their order."""
+    return (*re.findall(r"\brun (\w+)", question),)
+
+
+@cache
+def asked_quantity(question: str) -> tuple[str, str]:
+    """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
+    readout = re.sub(r"\).*", "", question.removesuffix(", 1)").rpartition(" : ")[2])
+    kind, _, unknown = readout.rpartition(".")
+    unknown = (
+        "" if "rates=" in question or " : " not in question else unknown
+    )  # y0, y1, ... need not be the names in the text
+    if question.startswith("stability_function "):
+        return "stability", ""
+    if question.startswith(("ratio(", "R(", "log2(ratio(", "ln(ratio(")):
+        return "observed_order" if question.startswith("l") else "ratio", readout.partition(".")[2]
+    if " : " not in question:
+        return question.partition(" ")[0], ""
+    if question.startswith("percent("):
+        return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
+    if readout.startswith(LARGEST):
+        return readout, ""
+    if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
+        return readout.removeprefix("state_").removeprefix("position_"), ""
+    if readout in ("energy", "energy_change", "relative_energy_change"):
+        return "relative_energy" if readout[0] == "r" else "energy", ""
+    if kind[:1] == "k" or kind in ("embedded", "estimate"):
+        return kind, "" if kind[:1] == "k" else unknown
+    if kind == "error":
+        return kind, unknown
+    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
+
+
 def names_another_axis(axis: str, text: str, start: int, end: int, head: str) -> bool:
     """True if the sentence around a limit of stability, or the head of its column, names the other axis instead."""
     before, after = (head, "") if head else sentence_around(text, start, end)
@@ -193,44 +230,8 @@ def _words(pattern: str, text: str) -> list[int]:
 
 def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
     """The positions that name the method, and those that name other methods only."""
-    found = _named(text)
+    found = places_named(text)
     return [at for at, keys in found if key in keys], [at for at, keys in found if key not in keys]
-
-
-def methods_named(text: str) -> set[str]:
-    """The keys of all methods named in the lower-case text by key, title or another name.
-
-    An ambiguous name, such as Verlet, stands for those of its methods that a narrower name means, if there are any.
-    """
-    found = [keys for _, keys in _named(text)]
-    return set[str]().union(*(keys for keys in found if not any(narrower < keys for narrower in found)))
-
-
-def methods_in_full(text: str) -> set[str]:
-    """The keys of the methods that the lower-case text names by a name of no other method."""
-    return set[str]().union(*(keys for _, keys in _named(text) if len(keys) == 1))
-
-
-def is_one_name(keys: Collection[str]) -> bool:
-    """True if these are the keys of the methods that one name, such as midpoint, may mean."""
-    return {*keys} in _names().values()
-
-
-def with_names_settled(text: str, meanings: Mapping[frozenset[str], frozenset[str]]) -> str:
-    """The lower-case text with the key of the one method that is meant in place of names that may mean several."""
-    if not meanings:
-        return text
-    return spoken_names().sub(lambda name: min(meanings.get(frozenset(_names()[name[0]]), ()), default=name[0]), text)
-
-
-def methods_asked(question: str) -> set[str]:
-    """The keys of the methods that a question is about, without one that starts them."""
-    return methods_named(re.sub(r" started=\S+", "", question.lower()))
-
-
-def last_methods_named(*texts: str) -> set[str]:
-    """The keys of the method named last in the first of the texts that names one."""
-    return next((found[-1][1] for text in texts if (found := _named(text))), set())
 
 
 def rest_of_list(before: str, after: str, joined: str = _JOINED) -> tuple[str, str]:
@@ -249,11 +250,11 @@ def methods_said_of(before: str, after: str) -> set[str]:
     before, after = (re.sub(r"--+|(?<=[a-df-z])-|-(?!\.?[0-9])|[_\n]", " ", part) for part in (before, after))
     left, right = rest_of_list(before, after)
     if behind := _methods_behind().match(after[len(right) :]):
-        listed = _named(behind[0])
+        listed = places_named(behind[0])
         left = left if right or listed[1:] else ""  # 0.1 (A) and 0.2 (B)
     else:
-        lists = [*_lists_of_methods().finditer(before)]
-        listed = _named(lists[-1][0]) if lists else []
+        lists = [*lists_of_methods().finditer(before)]
+        listed = places_named(lists[-1][0]) if lists else []
         between = before[lists[-1].end() : len(before) - len(left)] if lists else ""
         if "respectively" in after and listed[1:]:
             left, right = (spoken_names().sub("", part) for part in (between + left, after))
@@ -275,8 +276,10 @@ def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, .
     ('adams_bashforth2', 'adams_bashforth3')
     """
     found, first = _TIMES_AS.match(flat(after)), last_methods_named(before)
-    other = spoken_names().match(flat(after), found.end()) if found and found["than"] else None
-    second = _names()[other[0]] if other else set[str]()
+    if found and found["of"] and not _ERROR_IS.search(flat(before)):  # of a cost, say
+        return ()
+    other = spoken_names().match(flat(after), found.end()) if found and (found["than"] or found["of"]) else None
+    second = keys_by_name()[other[0]] if other else set[str]()
     if found and not found["than"] and _AN_ERROR.search(flat(before)):
         both = next((x for x in (before, f"{earlier}. {before}") if len(names_in_order(x)) > 1), "")
         named = [methods_named(name) for name in names_in_order(both)]
@@ -287,131 +290,13 @@ def methods_compared(before: str, after: str, earlier: str = "") -> tuple[str, .
     return (*second, *first) if found["closer"] else (*first, *second)
 
 
-def names_in_order(text: str) -> list[str]:
-    """The first name of each of the methods that the lower-case text names, in their order."""
-    found = dict[frozenset[str], str]()
-    for name in spoken_names().findall(flat(text)):
-        found.setdefault(frozenset(_names()[name]), name)
-    return [*found.values()]
-
-
-def without_starters(text: str) -> str:
-    """The lower-case text, blanks in place of the methods of one step that it says start a multistep method."""
-
-    def blank(name: re.Match[str]) -> str:
-        return name[0] if _names()[flat(name[0])] & {*FURTHER_METHODS} else " " * len(name[0])
-
-    def without(clause: re.Match[str]) -> str:
-        end = found.end() if (found := _OF_OTHERS.search(clause[0])) else len(clause[0])
-        return spoken_names().sub(blank, clause[0][:end].replace("-", " ")) + clause[0][end:]
-
-    return STARTING.sub(without, text)
-
-
-def starters_said(text: str) -> list[str]:
-    """The keys of the methods that the lower-case text says start a multistep method, "exact" for a solution."""
-    said = " ".join(STARTING.findall(text))
-    named = methods_named(said)
-    return [*(key for key in METHODS if key in named), *["exact"] * bool(_FROM_SOLUTION.search(said))]
-
-
-def starts_said(text: str) -> Iterator[tuple[int, int]]:
-    """The spans in which the lower-case text surely says, without a number, what starts a multistep method."""
-    for clause in STARTING.finditer(text):
-        subject = clause[0][: found.start()] if (found := _STARTS_WITH.search(clause[0])) else ""
-        is_said = _STARTED.search(clause[0]) or methods_named(subject) & {*FURTHER_METHODS}
-        if is_said and starters_said(clause[0]) and not re.search(r"(?<![a-z])[0-9]", clause[0]):
-            yield clause.start(), clause.start() + len(clause[0].rstrip(" ,;:\n"))
-
-
-def lowered(text: str, questions: Iterable[str]) -> str:
-    """The text in lower case, without the methods that start another one if a question says what starts it."""
-    lower = text.lower()
-    return without_starters(lower) if any(" started=" in one for one in questions) else lower
-
-
-def name_before(text: str, words: str) -> str | None:
-    """The last name of a method in the lower-case text, if only these words stand behind it.
-
-    >>> name_before("so heun's method is ", " (?:is|has) ")
-    'heun'
-    """
-    last = next(reversed([*spoken_names().finditer(text)]), None)
-    behind = rf"(?:'s)?(?: (?:method|rule|scheme))?\)?{words}"
-    return last[0] if last and re.fullmatch(behind, text[last.end() :]) else None
-
-
-def names_before(text: str, words: str) -> list[str]:
-    """The names of the last methods in the lower-case text that are joined by commas or and, before these words.
-
-    >>> names_before("so heun and rk4 are ", " are ")
-    ['heun', 'rk4']
-    """
-    last = next(reversed([*_lists_of_methods().finditer(text)]), None)
-    return names_in_order(last[0]) if last and re.fullmatch(words, text[last.end() :]) else []
-
-
-def begins_with_method(text: str) -> bool:
-    """True if the lower-case text begins with the name of a method."""
-    return spoken_names().match(flat(text)) is not None
-
-
-@lru_cache(maxsize=_MOST_KEPT)
-def _named(text: str) -> list[tuple[int, set[str]]]:
-    """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
-    spoken = flat(text)
-    named = (match for match in spoken_names().finditer(spoken) if not _PLAIN.match(spoken, match.start()))
-    return [(match.start(), _names()[match[0]]) for match in named]
-
-
-def flat(text: str) -> str:
-    """The text with blanks for hyphens and ends of lines, as names of methods have them."""
-    return _BY_ORDER.sub(r"\1 \2 ", re.sub("--+|[-_\n]", " ", text))
-
-
-@cache
-def _names() -> dict[str, set[str]]:
-    found = {flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
-    for kind, name in product(("velocity", "position"), ("verlet", "störmer verlet", "stoermer verlet")):
-        forms = (f" ({kind} form)", f" ({kind} version)", f" in {kind} form", f" ({kind})")
-        found |= {name + form: {f"{kind}_verlet"} for form in forms}
-    found |= {f"{name.lower()}'s {kind}": {*AMBIGUOUS_NAMES[name]} for name in _PEOPLE for kind in ("method", "scheme")}
-    for key, method in (*METHODS.items(), *FURTHER_METHODS.items()):
-        names = (key, method.title, *also_known_as(key), *counted_names(method.title))
-        pairs = [pair[0].replace("-", " and ") for name in names if (pair := re.fullmatch(r"[A-Z]\w+-[A-Z]\w+", name))]
-        for name in (*names, *(f"{kind} of {pair}" for pair in pairs for kind in ("pair", "method", "scheme"))):
-            name = flat(name.lower())
-            for form in (
-                name,
-                re.sub(r"(?<=[a-z])(?=[0-9])", " ", name),
-                re.sub(r" (?:method|rule|scheme)$", "", name),
-                re.sub(r"(?<='s )(second|third|fourth) order method$", r"\1", name),
-            ):
-                found.setdefault(form, set()).add(key)
-    return found
-
-
-@cache
-def _lists_of_methods() -> re.Pattern[str]:
-    """One method, or several that are joined, as in "A, B and C"."""
-    return re.compile(
-        rf"{_METHOD}(?:(?:,|,? (?:and|or|/)) (?:the )?{_METHOD})*".replace("METHOD", spoken_names().pattern)
-    )
-
-
 @cache
 def _methods_behind() -> re.Pattern[str]:
     """Methods right behind the number that is theirs: "for A and B", or "(A)" and nothing else in the brackets."""
-    methods = _lists_of_methods().pattern
+    methods = lists_of_methods().pattern
     return re.compile(
         rf"(?: (?:by|in|with|for|using|of) (?:the )?{methods}| ?[(\[](?:the |with |by |for )?{methods}[\]),;])"
     )
-
-
-@cache
-def spoken_names() -> re.Pattern[str]:
-    """A pattern that matches the longest method name at each place."""
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})(?!\w|[.,/][0-9])")
 
 
 def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:

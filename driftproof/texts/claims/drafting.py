@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -14,9 +14,9 @@ from typing import NamedTuple
 from driftproof.support.plain_text import counted
 from driftproof.texts.claims.checking import Span, places_of
 from driftproof.texts.claims.claims import MOST_CLAIMS, Claim, parse_claims
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.claims.members import SLIP, Group, Member, groups, of_one_method, problems_named_once, uncovered
+from driftproof.texts.claims.method_names import methods_asked, methods_named, starters_said, starts_said
 from driftproof.texts.claims.phrase_search import PhraseSearch, as_phrase, placeholders
 from driftproof.texts.claims.phrases import Phrase, digits_of
 from driftproof.texts.claims.stated_facts import Said, properties_in
@@ -36,6 +36,8 @@ _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 _MOST_READ = 12
 # What a draft calls perhaps wrong.
 _DOUBT = re.compile(rf"(?m)^# ((?:cell [0-9]+, )?line [0-9]+)(?: of its output)?: (.+?) {SLIP} (.+)$")
+# What it says of a table without a right number.
+_OF_TABLE = "numbers of this table are off:"
 _BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
@@ -80,39 +82,88 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     printed = [(one.program.text, document.span(one.printed)) for one in listings_in(document) if one.printed]
-    suggestions = Suggestions(text, asked, printed)
-    search = PhraseSearch(text)
-    equations = {at: span for span in equations_in(text) for at in range(*span)}
-    unlabelled, letters = [number for number in numbers_in(text) if number.label is None], parameters_in(text)
-    numbers = sorted((*unlabelled, *suggestions.words), key=lambda one: one.start)
-    members = [Member.of(number, suggestions, text, equations, letters) for number in numbers]
+    suggestions, ids = Suggestions(text, asked, printed), Counter[str]()
+    members, inputs = _members(document, suggestions)
+    drafted = [_HEADER.format(name=" ".join(name.split())), *_read_from(document, suggestions, members, ids)]
+    drafted += [*_tables_off(document, suggestions), *_properties(document, ids)]
+    for claim in _of_groups(document, suggestions, members, inputs, ids):
+        if len(drafted) > MOST_CLAIMS:
+            raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
+        drafted.append(claim)
+    drafted += _not_found(document, suggestions)
+    if inputs:
+        drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
+    return "\n".join(drafted).rstrip("\n")
+
+
+def _members(document: Document, suggestions: Suggestions) -> tuple[list[Member], list[Member]]:
+    """The numbers and words of the text that may be claims, and the inputs of its programs, which are none."""
+    text = document.text.text
+    equations, letters = _equation_at(text), parameters_in(text)
+    numbers = [*(x for x in numbers_in(text) if x.label is None), *suggestions.words]
+    members = [Member.of(x, suggestions, text, equations, letters) for x in sorted(numbers, key=lambda one: one.start)]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
     in_code = [m for m in members if m.number.start in code]
     inputs = [m for m in in_code if not (m.strong and len(digits_of(m.number.text).rstrip("0")) > 1)]
-    members = [member for member in members if member not in inputs]
+    return [member for member in members if member not in inputs], inputs
+
+
+def _equation_at(text: str) -> dict[int, Span]:
+    """For each place in an equation, where that begins and ends."""
+    return {at: span for span in equations_in(text) for at in range(*span)}
+
+
+def _read_from(
+    document: Document, suggestions: Suggestions, members: Sequence[Member], ids: Counter[str]
+) -> Iterator[str]:
+    """What was read from the text: questions, wrong words for what starts a method, and equations that it chooses."""
+    text, questions = document.text.text, suggestions.values.stated
+    if not questions:
+        return
+    shown = [f"# --ask {_quoted(one)}\n" for one in questions[:_MOST_READ]]
+    more = f"# and {rest} more\n" if (rest := len(questions) - _MOST_READ) > 0 else ""
+    yield f"# Read from the text:\n{''.join(shown)}{more}"
+    held = {by for one in members if one.strong for by in re.findall(r" started=(\w+)", one.alike[0].question)}
+    starts = {*starts_said(text.lower())} if any(" started=" in x for x in questions) else set()
+    others = _other_starts(document, starts, held)
+    for start, end in sorted(others):
+        words, at = as_phrase(text[start:end].strip()), document.place(start)
+        yield f"# {at}: {words} {SLIP} what starts the values held is {', '.join(sorted(held))}\n"
+    equations = _equation_at(text)
+    with_numbers = {equations.get(x.start, (0, 0)) for x in numbers_in(text) if x.label is None}
+    yield from _given(text, ({*equations.values()} - with_numbers) | (starts - others), ids)
+
+
+def _other_starts(document: Document, starts: set[Span], held: set[str]) -> set[Span]:
+    """The places in prose that say what starts a method, if none of them names what starts the values `held`."""
+    code = {at for span in document.code for at in range(*span)}
+    prose = {span for span in starts if span[0] not in code}
+    said = chain.from_iterable(starters_said(document.text.text[slice(*span)].lower()) for span in prose)
+    return prose if held and held.isdisjoint(said) else set()
+
+
+def _tables_off(document: Document, suggestions: Suggestions) -> Iterator[str]:
+    """The tables of the text that have no right number."""
+    for off, known in suggestions.tables_off():
+        said = f"all {len(off)} {_OF_TABLE} {off[0].text} is not {known.question}"
+        yield f"# {document.place(off[0].start)}: {said}; are the problem, h and t those of the text?\n"
+
+
+def _of_groups(
+    document: Document,
+    suggestions: Suggestions,
+    members: list[Member],
+    inputs: Sequence[Member],
+    ids: Counter[str],
+) -> Iterator[str]:
+    """The claims of the groups of numbers, each with the other places where its phrase stands."""
+    text, covered = document.text.text, set[int]()
+    search = PhraseSearch(text)
     fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
-    drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
-    if suggestions.values.stated:
-        shown = [f"# --ask {_quoted(one)}\n" for one in suggestions.values.stated[:_MOST_READ]]
-        more = f"# and {rest} more\n" if (rest := len(suggestions.values.stated) - _MOST_READ) > 0 else ""
-        drafted.append(f"# Read from the text:\n{''.join(shown)}{more}")
-        without_numbers = {*equations.values()} - {equations.get(x.start, (0, 0)) for x in unlabelled}
-        held = {by for one in members if one.strong for by in re.findall(r" started=(\w+)", one.alike[0].question)}
-        starts = {*starts_said(text.lower())} if any(" started=" in x for x in suggestions.values.stated) else set()
-        prose = {span for span in starts if span[0] not in code}
-        said = chain.from_iterable(starters_said(text[slice(*span)].lower()) for span in prose)
-        others = prose if held and held.isdisjoint(said) else set[Span]()
-        for start, end in sorted(others):
-            words, at = as_phrase(text[start:end].strip()), document.place(start)
-            drafted.append(f"# {at}: {words} {SLIP} what starts the values held is {', '.join(sorted(held))}\n")
-        drafted += _given(text, without_numbers | (starts - others), ids)
-    drafted += _properties(document, ids)
     grouped = [of_one_method(group) for group in groups(text, members, fences)]
     questions = {member.number.start: member.alike[0].question for member in chain(*grouped) if member.strong}
     for *room, group in uncovered(grouped, fences, covered):
-        if len(drafted) > MOST_CLAIMS:
-            raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number
         line = document.place(first.start)
         place = f"{line}, column {document.position(first.start).column}" if not document.cells else line
@@ -122,20 +173,24 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             group = [replace(member, strong=False) for member in group]
             phrase, stands, address = search.phrase(room, group, bound=True)
         covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
-        slips = [member.remark(line) for member in group if member.slips]
-        claim = "".join([*slips, f"# {place}: no phrase can be drafted for {first.text}\n"])
-        there = " ".join((phrase, *address[:2], *address.columns))
-        methods = _methods(group, there, suggestions) if len(stands) == 1 else []
-        drafted.append(_claim(group, phrase, len(stands), place, ids, methods, address) if stands else claim)
+        if stands:
+            there = " ".join((phrase, *address[:2], *address.columns))
+            methods = _methods(group, there, suggestions) if len(stands) == 1 else []
+            yield _claim(group, phrase, len(stands), place, ids, methods, address)
+        else:
+            slips = [member.remark(line) for member in group if member.slips]
+            yield "".join([*slips, f"# {place}: no phrase can be drafted for {first.text}\n"])
+
+
+def _not_found(document: Document, suggestions: Suggestions) -> Iterator[str]:
+    """What the author asked for and the text does not have, or only perhaps, and what was not asked."""
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, why in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
-        lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
-        drafted += [f"# Asked for with --ask, {why}:\n{''.join(lines)}"] * bool(lines)
+        if lines := [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]:
+            yield f"# Asked for with --ask, {why}:\n{''.join(lines)}"
     for why, those in suggestions.values.not_asked.items():
-        drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
-    if inputs:
-        drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
-    return "\n".join(drafted).rstrip("\n")
+        if those:
+            yield f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"
 
 
 def doubts_of(claims: str) -> list[Doubt]:
@@ -152,7 +207,8 @@ def doubts_of(claims: str) -> list[Doubt]:
 
 def lines_to_look_at(claims: str, name: str) -> list[str]:
     """What a drafted claims file for the text called `name` asks its reader to look at, in lines."""
-    slips = [f"  {line[2:]}\n" for line in claims.splitlines() if line[:1] == "#" and SLIP in line]
+    doubtful = (x for x in claims.splitlines() if x[:1] == "#" and any(said in x for said in (SLIP, _OF_TABLE)))
+    slips = [f"  {line[2:]}\n" for line in doubtful]
     return [f"{name}: {counted(len(slips), 'number')} to look at:\n", *problems_named_once(slips)] if slips else []
 
 

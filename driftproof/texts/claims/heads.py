@@ -7,7 +7,8 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from itertools import pairwise
 
-from driftproof.texts.claims.contradictions import POSITIVE, SETTING, methods_named, spoken_names
+from driftproof.texts.claims.contradictions import ENERGY, POSITIVE, SETTING
+from driftproof.texts.claims.method_names import methods_named, spoken_names
 from driftproof.texts.readers.number_words import COUNT_GIVEN, TIME_UNIT
 
 # Words for the logarithm of the ratio of two errors.
@@ -23,16 +24,14 @@ _MOST_OF = r"(?:largest|biggest|greatest|worst|max(?:imum|imal)?\.?)"
 _DRIFT = r"(?:errors?|drift|change|deviation)"
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 # What is largest on the way is not what is at the end; no readout gives the largest part of something.
-LARGEST = "largest_"
 QUANTITY_WORDS = {
     "observed_order": OBSERVED,
     "largest_part": rf"{_MOST_OF} relative \w+",
-    "largest_energy_change": rf"{_MOST_OF} (?:energy|hamiltonian)(?: {_DRIFT})?|"
-    rf"{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?(?:energy|hamiltonian)",
+    "largest_energy_change": rf"{_MOST_OF} {ENERGY}(?: {_DRIFT})?|{_MOST_OF} {_DRIFT} (?:of|in) (?:the )?{ENERGY}",
     "largest_error": rf"{_MOST_OF} (?:\w+ )?errors?",
     "stability": r"stability functions?|amplification factors?|growth factors?|r\((?:z|h ?λ)\)",
-    "relative_energy": r"relative (?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
-    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?|δe",
+    "relative_energy": rf"relative {ENERGY}(?: (?:errors?|drift|change))?",
+    "energy": rf"{ENERGY}(?: (?:errors?|drift|change))?|δe",
     "ratio": r"factors?|ratios?|times as|divides",
     "embedded": r"embedded (?:solution|value|result|formula|method)|companion",
     "estimate": r"estimates?(?: of (?:the|its) error)?|error estimates?",

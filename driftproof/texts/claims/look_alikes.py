@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import product, takewhile
+from itertools import takewhile
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
@@ -19,25 +19,22 @@ from driftproof.texts.claims.calculations import Calculation, calculations_in
 from driftproof.texts.claims.checking import Span
 from driftproof.texts.claims.contradictions import (
     SETTING,
-    begins_with_method,
+    asked_quantity,
     contradicted,
-    methods_asked,
-    methods_named,
-    names_in_order,
     sentence_around,
     sentence_before,
+)
+from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
+from driftproof.texts.claims.method_names import (
+    begins_with_method,
+    methods_named,
+    names_in_order,
     with_names_settled,
 )
-from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column, is_head_of
 from driftproof.texts.claims.named_places import NamedPlaces
 from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, spelled
-from driftproof.texts.claims.places import (
-    COMPARED,
-    Place,
-    asked_quantity,
-    asked_settings,
-)
-from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, LIMITS_OF_METHODS, KnownValue, usual
+from driftproof.texts.claims.places import COMPARED, Place
+from driftproof.texts.claims.possible_values import LIMITS_OF_METHODS, KnownValue, usual
 from driftproof.texts.claims.stated_facts import (
     fact_of,
     fact_said,
@@ -234,7 +231,8 @@ class LookAlikes(NamedPlaces):
         asked, same_kind = here.place.named_of(known.question)["h"], without_sizes(known.question) in here.kinds
         other = same_kind and bool(asked) and here.place.settings.get("h", asked[0]) not in asked
         named = here.place.sure and bool(here.stated)
-        return (named or other or here.unsaid_runs) and not self._is_exact(known, here.number)
+        kept = self._is_kept_energy(known, here.number)
+        return (named or other or kept or here.unsaid_runs) and not self._is_exact(known, here.number)
 
     def _is_denied(self, known: KnownValue, here: _Here) -> bool:
         """True if what is said where the number stands is said of something else than this value."""
@@ -304,27 +302,6 @@ class LookAlikes(NamedPlaces):
         before = re.sub(r"\A\s*it (?=has|needs|is)", f"{name} ", before) if name else before
         return with_names_settled(before, self._settled[0]), with_names_settled(after, self._settled[0])
 
-    def _is_of_unsaid_runs(self, number: TextNumber) -> bool:
-        """True for one of several ratios of a sentence, if the step sizes that they compare are not said."""
-        place = self._place_of(number)
-        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
-            return False
-        before, after = sentence_around(self._lower, number.start, number.end)
-        first, last = number.start - len(before), number.end + len(after)
-        others = [x for x in self._numbers if first <= x.start < last and x != number and "." in x.text]
-        return any(self._place_of(x).quantity in COMPARED for x in others)
-
-    @cached_property
-    def _methods_run(self) -> set[str]:
-        """The methods that have values on the problems of the text."""
-        return set().union(*(known.keys for known in self.values.known if known.stated))
-
-    def _is_of_unnamed_method(self, number: TextNumber) -> bool:
-        """True in a row whose label is no name of a method, if those of other rows of its column are."""
-        if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
-            return False
-        return any(self._place_of(x).methods for x in self._company[self.tables.column_place(number)])
-
     def _of_either_sign(self, number: TextNumber) -> set[str]:
         """Error constants of methods of one step, if multistep methods are named nearby: their signs are others."""
         near = methods_named(self._lower[max(0, number.start - 2 * BESIDE) : number.end + BESIDE])
@@ -339,24 +316,11 @@ class LookAlikes(NamedPlaces):
         told &= "exact" in (known.question[:5], asked_quantity(known.question)[0]) and not self.tables.row_of(number)
         return told and not self.methods_beside(number) and place.means(known.question, set())
 
-    def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:
-        """True if the number's row and column give another method, step size, time or number of steps than asked."""
-        if not (row := self.tables.row_of(number)):
-            return False
-        beside, place = self.methods_beside(number), self._place_of(number)
-        if beside and (keys := methods_asked(question)) and keys.isdisjoint(beside):
-            return True
-        if question.startswith("exact ") and methods_named(self.tables.column_of(number)) and place.settings.get("t"):
-            return place.quantity != "exact"
-        of_row = asked_quantity(question)[0] in COMPARED
-        asked = {**(place.named_of(question) if of_row else asked_settings(question))}
-        counts = [Fraction(n) for n in COUNT_OF_STEPS.findall(question)]
-        counts = counts or [t / h for h, t in product(asked["h"], asked["t"])]
-        asked["t"] = asked["t"] or [n * h for h, n in product(asked["h"], counts)]
-        if any(asked[x] and place.settings[x] not in asked[x] for x in place.near & asked.keys()):
-            return True
-        said = [int(cell.text) for cell in row if is_head_of("n", cell.head) and re.fullmatch("[1-9][0-9]*", cell.text)]
-        return bool(counts and said) and said[-1] not in counts
+    def _is_kept_energy(self, known: KnownValue, number: TextNumber) -> bool:
+        """True for an energy of a run if the number is that of the solution, too, of which every sentence may speak."""
+        energy = asked_quantity(known.question)[0] == "energy" and bool(known.keys)
+        alike = self.values.written_like(number) if energy else ()
+        return any(x.question.startswith("exact ") and x.question.endswith(": energy") for x in alike)
 
     def _compares_others(self, known: KnownValue, number: TextNumber) -> bool:
         """True if the value compares the errors of another unknown than those right before the number are of."""
@@ -378,12 +342,6 @@ class LookAlikes(NamedPlaces):
         signed = re.sub(r"abs\((.*?)\)(?=, 1\)|\Z)", r"\1", known.question)
         change = next((each.answer.exact for each in self.values.known if each.question == signed), None)
         return bool(said) and change is not None and certified_sign(change) == -said
-
-    def methods_beside(self, number: TextNumber) -> set[str]:
-        """The methods that the row and the head of the number, or its sentence, name."""
-        row = self.tables.row_of(number)
-        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
-        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
 
     @cached_property
     def words(self) -> list[TextNumber]:

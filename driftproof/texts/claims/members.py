@@ -11,9 +11,9 @@ from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.checking import Span
-from driftproof.texts.claims.contradictions import methods_asked
 from driftproof.texts.claims.heads import is_head_of
 from driftproof.texts.claims.look_alikes import LookAlike
+from driftproof.texts.claims.method_names import methods_asked
 from driftproof.texts.claims.phrases import digits_of
 from driftproof.texts.claims.stated_questions import LIMIT
 from driftproof.texts.claims.suggestions import Suggestions

@@ -4,32 +4,22 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 from driftproof.texts.claims.checking import Span
-from driftproof.texts.claims.contradictions import (
-    SETTING,
-    is_one_name,
-    methods_in_full,
-    methods_named,
-    sentence_around,
-)
+from driftproof.texts.claims.contradictions import SETTING, asked_quantity, asked_settings, sentence_around
 from driftproof.texts.claims.heads import is_head_of, leaves_quantity
+from driftproof.texts.claims.method_names import is_one_name, methods_asked, methods_in_full, methods_named
 from driftproof.texts.claims.phrases import digits_of
-from driftproof.texts.claims.places import (
-    Place,
-    asked_quantity,
-    asked_settings,
-    place_of,
-)
-from driftproof.texts.claims.possible_values import KnownValue, PossibleValues
-from driftproof.texts.claims.stated_problems import speeds_named
+from driftproof.texts.claims.places import COMPARED, ENERGY_OF_ALL, Place, place_of
+from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, KnownValue, PossibleValues
+from driftproof.texts.claims.stated_problems import energies_named, speeds_named
 from driftproof.texts.claims.stated_questions import stated_questions
 from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.number_words import PERCENT
@@ -37,6 +27,8 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
+# Chosen: so many numbers of a table, all wrong, are no slips of theirs.
+_FEWEST_OFF = 4
 # A decimal of a program.
 _DECIMAL = re.compile(r"(?<![\w.])[0-9]+\.[0-9]+(?![\w.])")
 
@@ -199,6 +191,21 @@ class NamedPlaces:
                     tally[table, -1].append(agrees)
         return {x: sum(of) >= max(2 + (x[1] < 0), len(of) / 2) for x, of in tally.items()}
 
+    def tables_off(self) -> Iterator[tuple[list[TextNumber], KnownValue]]:
+        """The numbers of each table none of which, of four or more, is what its place means, and what the first is not.
+
+        Numbers of three digits are so by chance once in 900 each: such a table is of another problem than the one read.
+        """
+        tables = defaultdict[int, list[tuple[TextNumber, list[KnownValue]]]](list)
+        for (table, _), numbers in self._company.items() if self.values.stated else ():
+            told = [x for x in numbers if table >= 0 and len(digits_of(x.text)) > 2]
+            meant = [[known for known in self._meant_at(x) if known.stated] for x in told]
+            tables[table] += [pair for pair in zip(told, meant, strict=True) if pair[1]]
+        for of in tables.values():
+            right = (known in self.values.written_like(x) for x, meant in of for known in meant)
+            if len(of) >= _FEWEST_OFF and not any(right):
+                yield [x for x, _ in of], of[0][1][0]
+
     def says_all(self, number: TextNumber) -> bool:
         """True if its sentence says all of what a number is: of the start, or with method, step size and quantity.
 
@@ -214,6 +221,52 @@ class NamedPlaces:
         at_start = "t" in near and not place.settings["t"] and place.quantity == "energy"
         whole = place.own and near >= {"h"} and "t" in place.settings and place.quantity in ("energy", "error", "steps")
         return not self.tables.row_of(number) and (at_start or whole)
+
+    def _is_of_unsaid_runs(self, number: TextNumber) -> bool:
+        """True for one of several ratios of a sentence, if the step sizes that they compare are not said."""
+        place = self._place_of(number)
+        if place.quantity not in COMPARED or "h" in place.settings or self.tables.row_of(number):
+            return False
+        before, after = sentence_around(self._lower, number.start, number.end)
+        first, last = number.start - len(before), number.end + len(after)
+        others = [x for x in self._numbers if first <= x.start < last and x != number and "." in x.text]
+        return any(self._place_of(x).quantity in COMPARED for x in others)
+
+    @cached_property
+    def _methods_run(self) -> set[str]:
+        """The methods that have values on the problems of the text."""
+        return set().union(*(known.keys for known in self.values.known if known.stated))
+
+    def _is_of_unnamed_method(self, number: TextNumber) -> bool:
+        """True in a row whose label is no name of a method, if those of other rows of its column are."""
+        if self._place_of(number).methods or not (self.tables.row_of(number) and self._names_method(number)):
+            return False
+        return any(self._place_of(x).methods for x in self._company[self.tables.column_place(number)])
+
+    def methods_beside(self, number: TextNumber) -> set[str]:
+        """The methods that the row and the head of the number, or its sentence, name."""
+        row = self.tables.row_of(number)
+        said = [self.tables.column_of(number), *(cell.text for cell in row)] if row else []
+        return methods_named(" | ".join(said or sentence_around(self._lower, number.start, number.end)))
+
+    def _is_of_another_cell(self, question: str, number: TextNumber) -> bool:
+        """True if the number's row and column give another method, step size, time or number of steps than asked."""
+        if not (row := self.tables.row_of(number)):
+            return False
+        beside, place = self.methods_beside(number), self._place_of(number)
+        if beside and (keys := methods_asked(question)) and keys.isdisjoint(beside):
+            return True
+        if question.startswith("exact ") and methods_named(self.tables.column_of(number)) and place.settings.get("t"):
+            return place.quantity != "exact"
+        of_row = asked_quantity(question)[0] in COMPARED
+        asked = {**(place.named_of(question) if of_row else asked_settings(question))}
+        counts = [Fraction(n) for n in COUNT_OF_STEPS.findall(question)]
+        counts = counts or [t / h for h, t in product(asked["h"], asked["t"])]
+        asked["t"] = asked["t"] or [n * h for h, n in product(asked["h"], counts)]
+        if any(asked[x] and place.settings[x] not in asked[x] for x in place.near & asked.keys()):
+            return True
+        said = [int(cell.text) for cell in row if is_head_of("n", cell.head) and re.fullmatch("[1-9][0-9]*", cell.text)]
+        return bool(counts and said) and said[-1] not in counts
 
     def is_signed(self, number: TextNumber) -> bool:
         """True if a number of its column has a sign."""
@@ -270,14 +323,19 @@ class NamedPlaces:
 
     @cached_property
     def _unknowns(self) -> dict[str, str]:
-        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v."""
+        """The names of the unknowns in questions, in lower case, by those of a text: v is also dx, if x' = v.
+
+        The name of an energy is `ENERGY_OF_ALL`.
+        """
         asked = " ".join((*self.values.asked, *self.values.stated)).lower()
         names = dict.fromkeys(re.findall(r"(\w+)'=", asked))
         speeds = {f"d{x}": v for x, v in re.findall(r"(\w+)'=(\w+),", asked) if v in names}
         own = {*speeds.values()}
         if len(own) == 1 and own <= {*speeds}:  # of x'' = F(x)
             speeds |= dict.fromkeys(speeds_named(self._lower, min(own)[1:]), min(own))
-        return speeds | {name: name for name in names}
+        given = any("energy=" in one for one in (*self.values.asked, *self.values.stated))
+        energies = dict.fromkeys(energies_named(self.text, names), ENERGY_OF_ALL) if given else {}
+        return speeds | energies | {name: name for name in names}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:
         """The values that the place of the number names."""

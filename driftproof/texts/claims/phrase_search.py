@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from driftproof.texts.claims.contradictions import begins_with_method, methods_named
 from driftproof.texts.claims.members import Group
+from driftproof.texts.claims.method_names import begins_with_method, methods_named
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, Phrase
 from driftproof.texts.claims.tables import ANYWHERE, Address, tables_of
 from driftproof.texts.readers.number_words import words_like

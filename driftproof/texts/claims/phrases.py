@@ -255,8 +255,10 @@ class Phrase:
         return self._pattern(_alternating(map(_literal_pattern, self.literals), numbers))
 
     def written(self, spellings: Spellings) -> str:
-        """The phrase with each value in its plainest spelling."""
-        return "".join(_alternating(self.literals, (spellings[name][0] for name in self.names)))
+        """The phrase with each value in its plainest spelling, a direction as "grows or larger"."""
+        compared = ({"larger", "smaller"}.intersection(spellings[name]) for name in self.names)
+        values = (" or ".join((spellings[name][0], *said)) for name, said in zip(self.names, compared, strict=True))
+        return "".join(_alternating(self.literals, values))
 
     def _texts_and_numbers(self, spellings: Spellings, names: bool) -> tuple[list[str], list[str]]:
         """The phrase cut at its n numbers into n + 1 texts; numbers that run together count as one."""

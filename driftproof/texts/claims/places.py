@@ -6,25 +6,23 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 
 from driftproof.texts.claims.contradictions import (
+    ENERGY,
+    LARGEST,
     LISTED_NUMBER,
     SETTING,
-    begins_with_method,
-    last_methods_named,
-    methods_asked,
+    asked_quantity,
+    asked_settings,
     methods_compared,
-    methods_named,
     methods_said_of,
-    names_in_order,
     rest_of_list,
+    runs_asked,
     sentence_around,
     sentence_before,
 )
 from driftproof.texts.claims.heads import (
     HEAD_OF_UNKNOWN,
-    LARGEST,
     ORDER_OF_COLUMN,
     PAIR,
     QUANTITY,
@@ -33,6 +31,13 @@ from driftproof.texts.claims.heads import (
     is_head_of,
     leaves_quantity,
     without_methods,
+)
+from driftproof.texts.claims.method_names import (
+    begins_with_method,
+    last_methods_named,
+    methods_asked,
+    methods_named,
+    names_in_order,
 )
 from driftproof.texts.claims.settings_named import BESIDE_NUMBER, FARTHEST, settings_named
 from driftproof.texts.claims.tables import Cell
@@ -51,7 +56,8 @@ _IT_IS = re.compile(r"\b(?:it|this) (?:is|was|equals|reads|has|reaches)\b[^,;]{0
 # A quantity whose own value is given, so that what follows is another one.
 _WITH_VALUE = re.compile(rf"(?:{QUANTITY.pattern})(?:(?: \w+){{0,2}} is| ?[=≈]) ?[-+]?[0-9]")
 _AFTER = re.compile(
-    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
+    rf"(?P<percent>{PERCENT})| ?(?:times (?:as|less|more|smaller|larger|that of)|"
+    r"(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*'?)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
@@ -63,17 +69,21 @@ _SOLUTION = re.compile(r"[^\W\d_]'?\(t(?:_\{?[nijk]\}?)?\)")
 _OF_UNKNOWN = re.compile(r"errors? (?:of|in|for) (?P<name>[^\W\d_]'?)(?:_(?P<n>[1-9]))?(?![\w'])")
 # Quantities that compare the errors of two runs; and those whose words leave no other meaning to a number.
 COMPARED = {"ratio", "observed_order"}
-_CERTAIN = {"stability", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
+_CERTAIN = {"stability", "order", "observed_order", *(name for name in QUANTITY_WORDS if name.startswith(LARGEST))}
 # Words of a change, which is one of the energy if that is spoken of.
 _CHANGES = (
     "grow[ns]?|gr[eo]wing|grew|gain(?:s|ed)|los(?:es|t|e)|increase[sd]?|decrease[sd]?|chang\\w+|rises?|rose|risen|"
     "drift\\w*|f[ae]ll(?:s|en)?|drop(?:s|ped)?|shr[aiu]nk\\w*"
 )
-_E_CHANGED = re.compile(rf"(?<![\w.])[eh] (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
+_CHANGED = re.compile(rf"(?<![\w.])([a-z]) (?:(?:has|is|still|only) )*(?:{_CHANGES})\b")
 # The change of each step, which is that of the first one where all are alike.
 OF_EACH_STEP = re.compile(rf"{PERCENT}[^.;:,]{{0,30}} (?:per|in each|in every|each|every) (?:\w+ )?step\b")
+# What may be the ratio of two errors is before it.
+_TIMES = re.compile(r"[-_\s]+times\b")
 # A ratio of errors follows, but for other words, or has been said.
-_DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby (?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+_DIVIDES = re.compile(r"\bdivide[sd]?\b.*\sby\s(?:[-+]?[0-9.]+)?\Z", re.DOTALL)
+# A list of orders follows.
+_ORDERS = re.compile(r"\borders (?:\w+ ){0,3}\Z")
 # Beside a column of energies, the head of that of their changes.
 _RELATIVE = re.compile(r"relative (?:change|drift|gain|loss)|(?:change|drift|gain|loss)(?:,? ?[(\[]?%[)\]]?)?")
 _SAME_STEP = re.compile(r"\bsame (?:h\b|(?:time ?)?step)")
@@ -81,6 +91,8 @@ _LABEL_OF_ITEM = re.compile(r"\s*[-*+•]\s+[*_]*[^\W\d][^\W\d][^:\n]{0,60}:")
 # Methods as the columns and rows of a table have them.
 _SHORT_NAMES = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 _SHORT_NAMES["kutta"] = "kutta's third-order method"
+# What the letter of an energy stands for, which is of all unknowns.
+ENERGY_OF_ALL = "energy"
 # Characters before a number that are searched for a method.
 _NEAR = 400
 
@@ -164,46 +176,6 @@ class Place:
         return all(self.settings.get(x) in given for x, given in self.named_of(question).items() if given)
 
 
-@cache
-def asked_settings(question: str) -> dict[str, list[Fraction]]:
-    """The step sizes, times and arguments of stability functions in a question, by letter."""
-    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
-
-
-def runs_asked(question: str) -> tuple[str, ...]:
-    """The keys of the methods of the runs in a question, in their order."""
-    return (*re.findall(r"\brun (\w+)", question),)
-
-
-@cache
-def asked_quantity(question: str) -> tuple[str, str]:
-    """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
-    readout = re.sub(r"\).*", "", question.removesuffix(", 1)").rpartition(" : ")[2])
-    kind, _, unknown = readout.rpartition(".")
-    unknown = (
-        "" if "rates=" in question or " : " not in question else unknown
-    )  # y0, y1, ... need not be the names in the text
-    if question.startswith("stability_function "):
-        return "stability", ""
-    if question.startswith(("ratio(", "R(", "log2(ratio(", "ln(ratio(")):
-        return "observed_order" if question.startswith("l") else "ratio", readout.partition(".")[2]
-    if " : " not in question:
-        return "fact", ""
-    if question.startswith("percent("):
-        return {"relative_error": "percent", "relative_energy_change": "part_of_energy"}.get(readout, "share"), ""
-    if readout.startswith(LARGEST):
-        return readout, ""
-    if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
-        return readout.removeprefix("state_").removeprefix("position_"), ""
-    if readout in ("energy", "energy_change", "relative_energy_change"):
-        return "relative_energy" if readout[0] == "r" else "energy", ""
-    if kind[:1] == "k" or kind in ("embedded", "estimate"):
-        return kind, "" if kind[:1] == "k" else unknown
-    if kind == "error":
-        return kind, unknown
-    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
-
-
 def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Mapping[str, str]) -> Place:
     """The place of the number from `start` to `end` of a text in lower case; `row` is its table's, else empty.
 
@@ -242,6 +214,8 @@ class _Reader:
         self._read_comparison()
         own = self._own_methods()
         methods = {*self.compared} or own or self._methods_near()
+        if self.quantity == "energy" and not (methods or self.row):
+            self.settings.setdefault("t", Fraction(0))  # of no run, and constant
         name = self.name and (f"d{self.name[:-1]}" if self.name.endswith("'") else self.name)
         if name:
             name = self.unknowns.get(spelled := with_greek_spelled(name), spelled)
@@ -277,7 +251,8 @@ class _Reader:
 
     def _read_subject(self) -> None:
         """Read what a sentence is about: an energy that changes, the solution, or "it", the subject of the last one."""
-        if not self.quantity and _E_CHANGED.search(self.before):
+        changed = _CHANGED.search(self.before)
+        if not self.quantity and changed and self.unknowns.get(changed[1], changed[1]) in ("e", "h", ENERGY_OF_ALL):
             self.quantity = "energy"
         self.of_solution = _SOLUTION_IS.search(self.before) is not None
         if self.quantity or not _IT_IS.search(self.before) or methods_named(self.before):
@@ -308,6 +283,8 @@ class _Reader:
         else:
             return
         self.name = name
+        if self.unknowns.get(name) == ENERGY_OF_ALL:
+            self.quantity, self.name = "energy", None
         if n and "h" in self.settings:  # of one step, which begins at 0
             self.settings["t"], self.sure = int(n) * self.settings["h"], True
 
@@ -323,10 +300,12 @@ class _Reader:
         """Read what stands right before and behind the number: "divides by", %, "times as large", "steps"."""
         if _DIVIDES.search(self.before) or re.search(r"\blog ?_?2 ?\(?\Z", self.before):
             self.quantity = "ratio"
+        elif not self.quantity and _ORDERS.search(self.before.removesuffix(rest_of_list(self.before, "")[0])):
+            self.quantity = "order"
         if more := _AFTER.match(self.text, self.end):
             of_energy = more["percent"] and (
                 self.quantity in ("energy", "relative_energy")
-                or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}energy", self.text[self.end :])
+                or re.match(rf"{PERCENT} of (?:the|its) (?:\w+ ){{0,3}}{ENERGY}", self.text[self.end :])
             )
             counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
             self.quantity = "part_of_energy" if of_energy else "percent" if more["percent"] else counted or "ratio"
@@ -343,7 +322,7 @@ class _Reader:
         decimal = "." in self.text[self.start : self.end]
         if re.fullmatch(ORDER_OF_COLUMN, self.head) and decimal and any(is_head_of("h", x) for x in heads):
             self.quantity = "observed_order"
-        if _RELATIVE.fullmatch(self.head) and any("energy" in x for x in heads):
+        if _RELATIVE.fullmatch(self.head) and any(re.search(ENERGY, x) for x in heads):
             more = _AFTER.match(self.text, self.end)
             self.quantity = "part_of_energy" if more and more["percent"] else "relative_energy"
         written = [cell.head_written for cell in self.row if cell.start <= self.start][-1:]
@@ -357,7 +336,8 @@ class _Reader:
     def _read_comparison(self) -> None:
         """Read which errors a ratio or an order compares: of two methods, or of two step sizes as in "0.1 to 0.05"."""
         if not self.row:
-            self.compared = methods_compared(self.before, self.after, sentence_before(self.text, self.start))
+            if _TIMES.match(self.after):
+                self.compared = methods_compared(self.before, self.after, sentence_before(self.text, self.start))
             self.near |= {"h"} if _SAME_STEP.search(self.before) else set()
         if self.compared or self.quantity not in {"steps", *COMPARED}:
             return

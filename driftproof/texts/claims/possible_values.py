@@ -21,7 +21,8 @@ from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import SETTING, lowered, methods_asked, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import SETTING, sentence_around
+from driftproof.texts.claims.method_names import lowered, methods_asked, methods_named
 from driftproof.texts.claims.phrases import NumberForm, form_of, spelled
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
@@ -212,31 +213,41 @@ class PossibleValues:
         return not own or any(_LESSON.search(one) for one in own)
 
     def _usual_questions(self) -> Iterator[str]:
+        """The facts of the methods, and the lesson's runs with the step sizes, times and counts of the text."""
         found = ([x for x in SETTING[letter].findall(self.text) if len(x) < 20] for letter in "ht")
         own, given = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
-        counts = dict[int, set[Fraction]]()  # and the step sizes that their sentences give
-        for count in COUNT_OF_STEPS.finditer(self.text):
-            said = [SETTING["h"].findall(part) for part in sentence_around(self.text, *count.span())]
-            counts.setdefault(int(count[1]), set()).update(map(Fraction, said[0][-1:] or said[1][:1]))
-        of_sizes = [(n, sizes) for n, sizes in counts.items() if n][:_MOST_COUNTS]
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
+        ends = {h: self._ends(h, times, h in own) for h in sizes} if self._of_lesson else {}
         spoken = methods_named(self.lower)
         named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FURTHER_METHODS) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
             if method in METHODS and spoken & {*FURTHER_METHODS}:
                 yield f"-error_constant {method}"
-            for h in sizes if self._of_lesson and method in METHODS and i < _MOST_RUN else ():
+            for h in ends if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n, of in of_sizes if h in own and (not of or Fraction(h) in of)}
-                ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
-                for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
-                    readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
-                    yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
+                for end, readout in product(ends[h], _RUN_READOUTS):
+                    if readout != "steps" or end.startswith("t"):
+                        yield f"run {method} h={h} {end} : {readout}"
         for t in (*times, *sizes) if self._of_lesson else ():
             yield from (f"exact t={t} : {readout}" for readout in "qv")
+
+    def _ends(self, h: str, times: Sequence[str], own: bool) -> list[str]:
+        """The ends of runs with this step size: times, and if it is the text's own the counts that go with it."""
+        counted = {Fraction(n): f"N={n}" for n, of in self._counts if own and (not of or Fraction(h) in of)}
+        ends = counted | {Fraction(t) / Fraction(h): f"t={t}" for t in times}
+        return [end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN]
+
+    @cached_property
+    def _counts(self) -> list[tuple[int, set[Fraction]]]:
+        """The first counts of steps in the text, with the step sizes that their sentences give."""
+        counts = dict[int, set[Fraction]]()
+        for count in COUNT_OF_STEPS.finditer(self.text):
+            said = [SETTING["h"].findall(part) for part in sentence_around(self.text, *count.span())]
+            counts.setdefault(int(count[1]), set()).update(map(Fraction, said[0][-1:] or said[1][:1]))
+        return [(n, sizes) for n, sizes in counts.items() if n][:_MOST_COUNTS]
 
     def written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
         """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""

@@ -43,34 +43,22 @@ def settings_named(
     (start, end), (before, after), far = span, sentence, text[max(0, span[0] - FARTHEST) : span[0]]
     cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
     of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in SETTING_HEADS}
-    settings, near = dict[str, Fraction](), dict[str, list[str]]()
     if state := re.match(r"(?:, ?[-+]?[0-9.]+)*\)", text[end : end + BESIDE_NUMBER]):  # (0.5, 0.1) at t = 0.2
         end += state.end()
+    settings, near = dict[str, Fraction](), dict[str, list[str]]()
     for x, pattern in {**SETTING, "t": _TIME}.items():
-        beside = re.match(
-            rf",? ?(?:(?!and |or |but )\w{{2,5}} )?{pattern.pattern}(?! ?[=≈])", text[end : end + BESIDE_NUMBER]
-        )
-        if said := pattern.findall(before):  # in 0.01, with h = 0.5 by 0.02, the step size is that of the next number
-            beside = None if text[end : end + 1] == "," else beside
-        said = said or (durations(before) if x == "t" else [])
-        said = [beside[1]] if beside else said or pattern.findall(_NEXT.split(after)[0])[:1]
         in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
-        near[x] = in_row[-1:] or pattern.findall(head) or said
-        lines = map(pattern.findall, far.split("\n") if row and not head else ())
-        if not near[x] and any(len({*line}) > 1 for line in [*filter(None, lines)][-1:]):
-            continue  # perhaps heads that could not be told apart, as in h = 0.2 h = 0.1
-        settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
+        near[x] = in_row[-1:] or pattern.findall(head) or _said(x, pattern, text[end : end + BESIDE_NUMBER], sentence)
+        if near[x] or not (row and not head and _gives_several(pattern, far)):
+            settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
     if not row and (size := _size_in_order(before, after)):
         settings["h"], near["h"] = size, [str(size)]
-    counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     if row:
         taken = [int(n) for n in of["s"] if n.isdigit()][-1:]
         settings |= {"n": Fraction(taken[0])} if taken else {}
     else:
-        is_after = re.match(rf"(?:{PERCENT})? after ", text[end:])
-        behind = counts_of_steps(text[end : end + BESIDE_NUMBER])[:1] if is_after else []
-        taken = behind or counts_of_steps(before)[-1:] or [1] * bool(_FIRST_STEP.search(before))
-        taken = [] if near["t"] else taken
+        taken = [] if near["t"] else _steps_taken(before, text[end : end + BESIDE_NUMBER])
+    counts = [int(n) for n in (*COUNT_GIVEN.findall(head or before), *of["n"]) if re.fullmatch("[1-9][0-9]*", n)][-1:]
     if taken and "h" in settings:
         settings["t"] = taken[0] * settings["h"]
         near["t"] += [str(settings["t"])] * bool(row)
@@ -80,6 +68,33 @@ def settings_named(
         settings["t"], near["t"] = Fraction(0), ["0"]
     one = frozenset(x for x, given in near.items() if len({*map(Fraction, given)}) == 1)
     return settings, one, bool(row or near["t"] or taken)
+
+
+def _said(x: str, pattern: re.Pattern[str], behind: str, sentence: tuple[str, str]) -> list[str]:
+    """The values of a setting that the sentence gives: right behind the number, before it, or the next one after it."""
+    before, after = sentence
+    said = pattern.findall(before)
+    beside = re.match(rf",? ?(?:(?!and |or |but )\w{{2,5}} )?{pattern.pattern}(?! ?[=≈])", behind)
+    if beside and not (said and behind.startswith(",")):  # in 0.01, with h = 0.5 by 0.02, that of the next number
+        return [beside[1]]
+    said = said or (durations(before) if x == "t" else [])
+    return said or pattern.findall(_NEXT.split(after)[0])[:1]
+
+
+def _gives_several(pattern: re.Pattern[str], far: str) -> bool:
+    """True if the last line that gives a setting gives several: heads that could not be told apart, perhaps."""
+    lines = [*filter(None, map(pattern.findall, far.split("\n")))]
+    return any(len({*line}) > 1 for line in lines[-1:])
+
+
+def _steps_taken(before: str, behind: str) -> list[int]:
+    """After how many steps a number of a sentence stands, of what is right behind it or was said last; [] for none."""
+    is_after = re.match(rf"(?:{PERCENT})? after ", behind)
+    return (
+        (counts_of_steps(behind)[:1] if is_after else [])
+        or counts_of_steps(before)[-1:]
+        or [1] * bool(_FIRST_STEP.search(before))
+    )
 
 
 def _size_in_order(before: str, after: str) -> Fraction | None:

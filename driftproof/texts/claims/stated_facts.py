@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.texts.claims.contradictions import (
-    LINEAR,
+from driftproof.texts.claims.contradictions import LINEAR
+from driftproof.texts.claims.method_names import (
     flat,
     last_methods_named,
     methods_named,

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, pairwise
+from typing import NamedTuple
 
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import FUNCTIONS
-from driftproof.texts.claims.contradictions import spoken_names
+from driftproof.texts.claims.method_names import spoken_names
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_calls_bracketed, with_greek_spelled, with_roots_spelled, with_time
@@ -29,8 +30,9 @@ _FACTOR = r"(?:[0-9]+(?:\.[0-9]+)?|(?:[A-Za-z]|[α-ω])(?:_\w)?(?![A-Za-z]))"
 _LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)?\Z")
 _LONGEST_LEAD = 40
 _ENERGY = re.compile(
-    r"(?<!\w)(?:(?:H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
-    r"[A-Z] ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))(?P<energy>[^=≤≥≈<>:;]{1,200})"
+    r"(?<!\w)(?:(?P<name>H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?|[Ee]nergy (?=[-(0-9])|"
+    r"(?P<letter>[A-Z]) ?= ?(?=(?:(?![.;]\s)[^=]){1,200}(?:conserved|constant|invariant)))"
+    r"(?P<energy>[^=≤≥≈<>:;]{1,200})"
 )
 _EQUATION = re.compile(
     r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
@@ -108,11 +110,21 @@ def speeds_named(text: str, name: str) -> list[str]:
     >>> speeds_named("θ'' = -sin θ", "theta"), speeds_named("θ'' = -ω² sin θ", "theta")
     (['v', 'omega'], ['v'])
     """
-    said = rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=])"
+    said = rf"(?<![\w'])(\w+) ?= ?(?:{name}'|d{name} ?/ ?dt)(?!['\w])(?! ?[-+*/=^])"
     equations = with_greek_spelled(" ".join(text[start:end] for start, end in equations_in(text)))
     usual = ["v", *["omega"] * (name in _ANGLES)]
     usual = [speed for speed in usual if not re.search(rf"(?<![A-Za-z]){speed}(?![A-Za-z])", equations)]
     return [*re.findall(said, with_greek_spelled(text)), *usual]
+
+
+def energies_named(text: str, unknowns: Collection[str]) -> set[str]:
+    """The letters, in lower case, that the text defines as energies or invariants in these unknowns; not h, a step.
+
+    >>> energies_named("The quantity V = x - ln x + y - ln y is conserved.", ["x", "y"])
+    {'v'}
+    """
+    found = (x for x in _ENERGY.finditer(text) if not {*unknowns}.isdisjoint(_WORD.findall(plain(x["energy"]).lower())))
+    return {(x["letter"] or x["name"] or "").lower() for x in found} - {*unknowns, "h", ""}
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
@@ -136,56 +148,84 @@ def parameters_in(text: str) -> set[str]:
     return letters - {match[kind] for match in found for kind in ("name", "d", "dd")} - {"t", "e"}
 
 
+class _System(NamedTuple):
+    """Equations that stand together, from `start`: rates of unknowns as written, and factors of their derivatives."""
+
+    start: int
+    raw: dict[str, str]
+    leads: dict[str, str]
+
+
 def stated_problems(text: str) -> Iterator[StatedProblem]:
     """The systems of equations of the text, each with the text from a little before it to the next one.
 
     One that is not understood has no rates.
     """
-    systems, last, spelled = list[tuple[int, dict[str, str], dict[str, str]]](), len(text), with_greek_spelled(text)
+    systems, spelled = _systems(text), with_greek_spelled(text)
+    before = list[str]()
+    for (start, raw, leads), (end, *_) in pairwise([*systems, _System(len(text), {}, {})]):
+        own, part = [*raw], text[:end]
+        raw, energies = _with_speeds(raw, text)
+        if not any("x" in one.raw for one in systems):  # y' = x + y: the time is called x
+            raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))
+            part = with_time(part, raw)
+        begins = start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
+        known = list[dict[str, str]]()
+        for given in ("", *_other_values(raw, spelled)):
+            known_as = partial(_rate, names=own, text=given + spelled)
+            rates = _rates(raw, leads, known_as)
+            if rates and rates not in known:
+                known.append(rates)
+                energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*own}), None)
+                yield StatedProblem(rates, part[begins:], begins, energy, _is_aside(raw, before, spelled))
+        if not known:
+            yield StatedProblem({}, part[begins:], begins)
+        before += own
+
+
+def _systems(text: str) -> list[_System]:
+    """The equations of the text, those in one that stand near each other and are of different unknowns."""
+    systems, last = list[_System](), len(text)
     for match in _EQUATION.finditer(text):
         name, lead = with_greek_spelled(match["name"] or match["d"] or match["dd"]), _lead(text, match.start())
         if name == "t" or name in FUNCTIONS or lead is None:
             continue
         is_second = match["second"] or match["dd"]
         base = re.sub("_?[0-9]$", "", name)  # theta_1', the slope after a step
-        others = chain(*(of for _, of, _ in (systems if base != name else systems[-1:])))
+        others = chain(*(one.raw for one in (systems if base != name else systems[-1:])))
         if not is_second and {base, f"d{base}"}.intersection(others) and _ALONE.match(match["rate"]):
             continue  # x' = 0, a slope or the velocity at the start of x'' = F(x)
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
-        if not (systems and near and name not in systems[-1][1]):
-            systems.append((match.start(), {}, {}))
+        if not (systems and near and name not in systems[-1].raw):
+            systems.append(_System(match.start(), {}, {}))
         _, raw, leads = systems[-1]
         if is_second:
             raw[name] = name = f"d{name}"
         left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
         raw[name], leads[name] = with_greek_spelled(left + match["rate"]), lead
         last = match.start("rate") + len(_ENDS_RATE.split(_first(match["rate"]))[0])
-    for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
-        energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
-        for name in [name for name in raw if f"d{name}" in raw]:
-            own = [one for one in speeds_named(text, name) if one not in raw and (len(raw) == 2 or one != "v")]
-            speeds = "".join(rf"|(?<!\w){speed}(?![\w'(])" for speed in own)
-            rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
-            raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
-            energies = [rated.sub(f"d{name}", energy) for energy in energies]
-        part = text[:end]
-        if not any("x" in names for _, names, _ in systems):  # y' = x + y: the time is called x
-            raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))
-            part = with_time(part, raw)
-        names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
-        known = list[dict[str, str]]()
-        for given in ("", *_other_values(raw, spelled)):
-            known_as = partial(_rate, names=names, text=given + spelled)
-            rates = {of: rate for of, one in raw.items() if (rate := known_as(one))}
-            over = {of: known_as(lead) for of, lead in leads.items() if lead}
-            rates = {of: f"({rate})/({over[of]})" if of in over else rate for of, rate in rates.items()}
-            if len(rates) == len(raw) and None not in over.values() and rates not in known:
-                known.append(rates)
-                energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*names}), None)
-                aside = _is_aside(raw, [*chain(*(of for at, of, _ in systems if at < start))], spelled)
-                yield StatedProblem(rates, part[begins:], begins, energy, aside)
-        if not known:
-            yield StatedProblem({}, part[begins:], begins)
+    return systems
+
+
+def _with_speeds(raw: dict[str, str], text: str) -> tuple[dict[str, str], list[str]]:
+    """The rates, and the energies of the text, with dx for x' and its other names where x has a second derivative."""
+    energies = [match["energy"] for match in _ENERGY.finditer(with_greek_spelled(text))]
+    for name in [name for name in raw if f"d{name}" in raw]:
+        own = [one for one in speeds_named(text, name) if one not in raw and (len(raw) == 2 or one != "v")]
+        speeds = "".join(rf"|(?<!\w){speed}(?![\w'(])" for speed in own)
+        rated = re.compile(rf"(?<![A-Za-z_]){name}'|(?<![A-Za-z])d{name} ?/ ?dt\b{speeds}")  # also 0.4x'
+        raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
+        energies = [rated.sub(f"d{name}", energy) for energy in energies]
+    return raw, energies
+
+
+def _rates(raw: dict[str, str], leads: dict[str, str], known_as: Callable[[str], str | None]) -> dict[str, str] | None:
+    """The rates divided by what multiplies their derivatives; None unless all of them are understood."""
+    rates = {of: rate for of, one in raw.items() if (rate := known_as(one))}
+    over = {of: known_as(lead) for of, lead in leads.items() if lead}
+    if len(rates) < len(raw) or None in over.values():
+        return None
+    return {of: f"({rate})/({over[of]})" if of in over else rate for of, rate in rates.items()}
 
 
 def _is_aside(names: Iterable[str], before: Collection[str], text: str) -> bool:

@@ -11,16 +11,9 @@ from itertools import chain, compress, islice, pairwise, product
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.texts.claims.contradictions import (
-    SETTING,
-    methods_compared,
-    methods_in_full,
-    methods_named,
-    sentence_around,
-    sentence_before,
-    starters_said,
-)
+from driftproof.texts.claims.contradictions import ENERGY, SETTING, methods_compared, sentence_around, sentence_before
 from driftproof.texts.claims.heads import OBSERVED, ORDER_OF_COLUMN, QUANTITY, is_head_of
+from driftproof.texts.claims.method_names import methods_in_full, methods_named, starters_said
 from driftproof.texts.claims.places import OF_EACH_STEP
 from driftproof.texts.claims.possible_values import COUNT_OF_STEPS, SHARE
 from driftproof.texts.claims.stated_problems import MOST_PROBLEMS, NUMBER, StatedProblem, stated_problems
@@ -39,12 +32,12 @@ _SIZES = re.compile(  # no h = 2√u and no h(3/2 f_n
 )
 # Words before the limit of a step size, as in stable up to h = 1.4.
 LIMIT = re.compile(
-    r"\b(?:up to|out to|until|at most|stable for|limit|largest step|allows?|tolerates?|permits?|needs?|requires?|below|"
-    r"(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
+    r"\b(?:(?:up to|out to|until)(?! ?t\b)|at most|stable for|limit|largest step|allows?|tolerates?|permits?|"
+    r"needs?|requires?|below|(?:may|can) (?:take|use|be)|and \w+(?: \w+)? only)\b[^.;,]{0,20}\Z"
 )
 # A number of steps that goes with a step size, as in "takes 20 steps of h = 0.05".
 _TAKES = re.compile(r"[0-9] steps (?:of|with) |\b(?:needs?|takes?|makes?|costs?) [0-9]+ steps")
-_OF_RATIOS = "factor|ratio|times (?:as|smaller|larger)|divides|fall by"
+_OF_RATIOS = "factor|ratio|times (?:as|smaller|larger|that of)|divide[sd]|fall by"
 _TIMES = re.compile(rf"(?<!\w)(?:[tT] ?[=∈]|{TIME_UNIT}s?) ?[{{(]?({_LIST})")
 # Characters before a step size in which a word may make it a limit.
 _BEFORE = 80
@@ -204,7 +197,7 @@ class _OfProblem:
         yield from (f"abs({run} : {change})" for change in self.changes)
         relative = [f"{run} : relative_energy_change", f"abs({run} : relative_energy_change)"]
         shares = map(SHARE.format, relative) if self.percent else ()
-        yield from relative if "relative energy" in self.lower else shares
+        yield from relative if re.search(rf"relative {ENERGY}", self.lower) else shares
 
     def _of_ratios(self, runs: Sequence[tuple[Fraction, list[Fraction]]]) -> Iterator[str]:
         """The ratios of the errors with one step size and the next shorter one, and the orders that they show."""

@@ -13,11 +13,12 @@ from typing import TypeAlias
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Splitting
-from driftproof.texts.claims.contradictions import methods_asked, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import asked_quantity, asked_settings, sentence_around
 from driftproof.texts.claims.heads import LIMIT_OF_STEPS, fact_in_column
 from driftproof.texts.claims.look_alikes import BESIDE, LookAlike, LookAlikes, printed, without_sizes
+from driftproof.texts.claims.method_names import methods_asked, methods_named
 from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, form_of, slips, spelled
-from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings
+from driftproof.texts.claims.places import COMPARED
 from driftproof.texts.claims.possible_values import SHARE, SIZE, KnownValue
 from driftproof.texts.claims.stated_facts import is_bound, is_on_the_safe_side
 from driftproof.texts.questions.answer import Answer
@@ -126,7 +127,7 @@ class Suggestions(LookAlikes):
             return False
         if known.rank < 2 and here.is_of_another(known.question):
             return False
-        if known.stated and here.is_of_others(known.question):
+        if known.stated and (here.is_of_others(known.question) or self._is_kept_energy(known, number) > here.own):
             return False
         # The force at the start, which a code may need once more, is no slip.
         one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
@@ -232,34 +233,43 @@ class Suggestions(LookAlikes):
             return {}
         stated = [known.question for known in self._meant_at(number) if known.rank]
         named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
-        alike, sure = [one.question for one in self.look_alikes(number)], self._place_of(number).sure
-        runs = [run for one in alike if (run := without_sizes(one)) != one]
         if digits < 3:  # a last digit that is cut off is no slip
             named = {x: y for x, y in named.items() if abs(number.value - Fraction(y)) > abs(Fraction(y)) / 10}
             found = self._misfit(number, named)
-            return found if len({*found.values()}) == 1 else {}
-        if other := self._moved(number, named) or self._exchanged(number, named):
+        elif other := self._moved(number, named) or self._exchanged(number, named):
             return other
-        near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
-        found = near if sure else {}
-        place = self._place_of(number)
-        alone = not self.tables.row_of(number) and (place.own or self.methods_beside(number) == {*place.methods})
-        if not found and digits > 3 - (alone and bool(place.quantity) and "h" in place.near):
-            is_part = place.unknown or re.fullmatch("k[0-9]", place.quantity or "")
-            part = " : " if is_part else "\n"  # another unknown or slope of the same run?
-            others = {x for run in runs for x in (run, run.rpartition(part)[0])}
-            of = {x: without_sizes(x) for x in named if sure or " h=" in x}
-            found = {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * sure} & others - {""}}
-        elif digits > 4 and runs and not (self.tables.row_of(number) or self._place_of(number).of_solution):
-            # What another method gives may stand far from its name.
-            found = {x: y for x, y in found.items() if without_sizes(x) in runs}
-        in_row = self.tables.row_of(number) and digits > 3 and self.methods_beside(number)
-        if (self._place_of(number).own or in_row) and not found:
-            others = {_METHOD.sub("", one) for one in alike}  # what another method has
-            found = {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
-        if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
-            found = self._misfit(number, named)
+        else:
+            found = self._of_same_run(number, named, digits) or self._of_other_method(number, named, digits)
+            if not found and (self.tables.row_of(number) or (digits > 3 and not self.look_alikes(number))):
+                found = self._misfit(number, named)
         return found if len({*found.values()}) == 1 else {}
+
+    def _of_same_run(self, number: TextNumber, named: Mapping[str, str], digits: int) -> dict[str, str]:
+        """The values that the place names and the number is near to, if it is sure; or of a run that the number is of.
+
+        That has the number at another step size or time, or for another unknown or slope.
+        """
+        place, row = self._place_of(number), self.tables.row_of(number)
+        runs = {run for one in self.look_alikes(number) if (run := without_sizes(one.question)) != one.question}
+        near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
+        if place.sure and near:  # what another method gives may stand far from its name
+            of_others = digits > 4 and bool(runs) and not (row or place.of_solution)
+            return {x: y for x, y in near.items() if not of_others or without_sizes(x) in runs}
+        alone = not row and (place.own or self.methods_beside(number) == {*place.methods})
+        if digits <= 3 - (alone and bool(place.quantity) and "h" in place.near):
+            return {}
+        part = " : " if place.unknown or re.fullmatch("k[0-9]", place.quantity or "") else "\n"
+        others = {x for run in runs for x in (run, run.rpartition(part)[0])} - {""}
+        of = {x: without_sizes(x) for x in named if place.sure or " h=" in x}
+        return {x: named[x] for x, run in of.items() if {run, run.rpartition(part)[0] * place.sure} & others}
+
+    def _of_other_method(self, number: TextNumber, named: Mapping[str, str], digits: int) -> dict[str, str]:
+        """The values that the place surely names of a method, if the number is that of another one."""
+        in_row = self.tables.row_of(number) and digits > 3 and self.methods_beside(number)
+        if not (self._place_of(number).own or in_row):
+            return {}
+        others = {_METHOD.sub("", one.question) for one in self.look_alikes(number)}
+        return {x: y for x, y in named.items() if _METHOD.sub("", x) in others}
 
     def _across(self, number: TextNumber) -> list[TextNumber]:
         """The other numbers of its row that the text does not choose."""

@@ -8,7 +8,9 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from driftproof.texts.claims.contradictions import (
+from driftproof.texts.claims.contradictions import asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.heads import PAIR
+from driftproof.texts.claims.method_names import (
     flat,
     last_methods_named,
     methods_named,
@@ -17,15 +19,18 @@ from driftproof.texts.claims.contradictions import (
     names_in_order,
     spoken_names,
 )
-from driftproof.texts.claims.heads import PAIR
-from driftproof.texts.claims.places import COMPARED, asked_quantity, asked_settings, runs_asked
+from driftproof.texts.claims.places import COMPARED
 from driftproof.texts.claims.stated_facts import IN_DOUBT, OF_SOMETHING_ELSE, Linear, fact_of, limit_of_steps
 
 # What an order is not of.
-_OF_PART = re.compile(r"\b(?:errors?|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b")
+_OF_PART = re.compile(
+    r"\b(?:errors?|th(?:at|ose) of|truncation|terms?|defects?|residuals?|solutions?|predict\w+|equations?)\b"
+)
 _IS_OF = r" (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? "
 _ARE_OF = r" (?:are|were)(?: also| both| all)? of(?: the)? "
 _SAID_BEFORE = re.compile(r" (?:is|are|was|were)(?: also| both| all)? of(?: the)? \w+ order\b")
+# Behind the order of a method, before what follows of it: ", so that", ":".
+_FOLLOWS = r"[:,]?(?: (?:so|and|that|hence|thus|then|is))*:? *"
 _ABOUT = r"(?:about |roughly |nearly |almost |approximately )?"
 _CALLED = (
     r" order (?:accurate |explicit |implicit )*(?:(?:adams \w+|runge kutta|bdf)(?: method| scheme| formula)? \(?)?"
@@ -72,7 +77,8 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     if OF_SOMETHING_ELSE.search(before):
         return None
     if after.startswith(" order"):
-        if _OF_PART.search(before) or IN_DOUBT.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
+        clause = re.split(r", (?:and|but|while|whereas) ", before)[-1]  # of a method that it names itself
+        if _OF_PART.search(clause) or IN_DOUBT.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
             return None
         verb = rf"{_IS_OF}| of " if _SAID_BEFORE.search(before) else _IS_OF  # RK4 is of fourth order, Heun of second
         name = name_before(before, verb) if _ENDS_ORDER.match(after) else None
@@ -86,18 +92,25 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     smaller = _signs_of_step(steps)
     if len(smaller) != 1 or _STEP_GIVEN.search(before + after):
         return None
-    if word in _POWERS_OF_TWO:
-        of_error = re.search(r"\b(?:errors?|that) of (?:the )?\S+(?: \S+){0,4} \Z", before)
-        name = (
-            name_before(before, rf" (?:is |becomes )?{_ABOUT}")
-            if of_error and re.match(" times (?!.*than)", after)
-            else None
-        )
-    else:
-        name = _name_behind(after, " the errors? of (?:the )?")
+    name = _name_of_error(word, re.sub(" +", " ", before), after)
     order = fact_of("order", methods_named(name)) if name else None
     inverse = "1/" * (smaller == [-1] and word not in _POWERS_OF_TWO)
     return f"{inverse}power(2, {order})" if order else None
+
+
+def _name_of_error(word: str, before: str, after: str) -> str | None:
+    """The name of the method whose error a word says to change: beside it, or that whose order was just told."""
+    said = _SAID_BEFORE.search(before)
+    subject, rest = (name_before(before[: said.start()], ""), before[said.end() :]) if said else (None, "")
+    if word not in _POWERS_OF_TWO:
+        own = re.match(r" the errors?(?= ?(?:[.,;:)]|\Z)| and )", after) and re.fullmatch(_FOLLOWS, rest)
+        return subject if own else _name_behind(after, " the errors? of (?:the )?")
+    if not re.match(" times (?!.*than)", after):
+        return None
+    if re.search(r"\b(?:errors?|that) of (?:the )?\S+(?: \S+){0,4} \Z", before):
+        return name_before(before, rf" (?:is |becomes )?{_ABOUT}")
+    follows = rf"{_FOLLOWS}(?:makes )?(?:the|its) errors? (?:is |becomes )?{_ABOUT}"
+    return subject if re.fullmatch(follows, rest) else None
 
 
 def _name_behind(after: str, words: str, ends: str = "") -> str | None:

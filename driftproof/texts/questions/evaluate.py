@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from difflib import SequenceMatcher
 from fractions import Fraction
 from functools import cache, lru_cache
 from math import isqrt
@@ -16,6 +17,7 @@ from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
+from driftproof.texts.questions.pieces import parsed_spelling
 from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT, LARGEST_STEP, names_that_ask
 
@@ -41,12 +43,23 @@ def value(question: str) -> Answer:
     """
     if not isinstance(question, str):
         raise TypeError(f"a question is a string, such as 'order rk4', not {question!r:.60}")
-    answer = _answer(parse_question(question), question)
+    try:
+        answer = _answer(parse_question(question), question)
+    except QuestionError as error:
+        raise type(error)(question, _own_column(question, error.column), error.reason) from None
     if callable(answer.exact):
         from driftproof.symbolic.algebra.certified import EnclosedReal
 
         answer = replace(answer, exact=EnclosedReal(answer.exact))
     return replace(answer, question=question)
+
+
+def _own_column(question: str, column: int) -> int:
+    """The column of the question where this column of its parsed spelling comes from."""
+    for kind, start, _, begin, end in SequenceMatcher(None, question, parsed_spelling(question), False).get_opcodes():
+        if begin < column <= end:
+            return start + 1 + (column - 1 - begin) * (kind == "equal")
+    return len(question) + 1
 
 
 def _answer(node: Node, question: str) -> Answer:

@@ -27,20 +27,11 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
-from driftproof.methods.field_text import of_first_order
 from driftproof.methods.schemes import Splitting
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import (
-    OWN_PI,
-    UNKNOWNS,
-    PieceParser,
-    with_calls_bracketed,
-    with_greek_spelled,
-    with_powers_of_e,
-    with_time,
-)
+from driftproof.texts.questions.pieces import OWN_PI, PieceParser, parsed_spelling
 
 SETTINGS = ("h", "t", "N", "steps", "z", "lambda")
 PROBLEM, RATES, ENERGY, STARTED = ("problem", "rates", "energy", "started")
@@ -54,11 +45,6 @@ _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
-
-
-# The equations of a question, and its settings behind them.
-_STATED = re.compile(r"\b\w+''?(?:\(t\))? ?=.*")
-_SETTINGS = re.compile(r",?(?: with| at)? (?<!\w)[htN] ?= ?[0-9./]+")
 
 
 @dataclass(frozen=True)
@@ -89,10 +75,8 @@ Node: TypeAlias = ExpressionNode | Query
 
 
 def parse_question(question: str) -> Node:
-    """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
-    question = of_first_order(with_greek_spelled(question))
-    question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
-    question = with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
+    """Parse a question into its tree, whose columns are those of `parsed_spelling`. Raises QuestionError."""
+    question = parsed_spelling(question)
     try:
         node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
     except QuestionError as error:
@@ -109,6 +93,7 @@ class _QuestionParser(PieceParser):
     def _atom(self) -> Any:
         """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
         counted = self.next.text != "one" and not self.in_rate and self._is_count(self.at)
+        counted = counted or self.leads(self.at)
         run = self.next._replace(kind=NAME, text="run")
         return self.query(self.next, run, defaultdict(dict)) if counted else super()._atom()
 
@@ -179,6 +164,8 @@ class _QuestionParser(PieceParser):
                 head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
             else:
                 self.part(token, parts)
+        if head.text == "run" and "subject" in parts and parts["subject"].text == "exact":
+            head = head._replace(text=parts.pop("subject").text)  # I(0.25) of the exact solution
         if (colon := self.accept(":")) and self.after(self.at).text == "(":
             self.part(self.take(), parts)  # y(1)
         elif colon:
@@ -227,20 +214,14 @@ class _QuestionParser(PieceParser):
         if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
             text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
         if text in wording.AMBIGUOUS_FACTS:
-            stated = _STATED.search(self.text)
-            if stated and wording.AMBIGUOUS_FACTS[text] == wording.LIMITS and wording.STEP_LIMITS.fullmatch(text):
+            limits = wording.AMBIGUOUS_FACTS[text] == wording.LIMITS and wording.STEP_LIMITS.fullmatch(text)
+            if limits and wording.STATED.search(self.text):
                 return name._replace(text=wording.LARGEST_STEP)
             rest = (self.method_name(x) for x in iter(self.take, self.tokens[-1]) if x.text not in wording.SAY_NOTHING)
             named = (x for x in rest if len(keys_of_name(x.text)) == 1 or x.text.endswith(".toml"))
             of_it = parts.get("subject") or next(named, None)
             said = self.text[max(of_it.column - 2, 0) : of_it.end].strip(" ,()") if of_it else "METHOD"
-            meant = wording.AMBIGUOUS_FACTS[text].replace("METHOD", said)
-            if stated:  # ready to be asked of the problem, at its time
-                end = next(iter(re.findall(r"(?<!\w)t ?= ?[0-9./]+", self.text)), "t=1")
-                meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(
-                    " t=1", f", {end}"
-                )
-            raise self.error(name, f"{text} may mean {meant}: say which")
+            raise self.error(name, f"{text} may mean {wording.meanings(text, said, self.text)}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self, parts: Mapping[str, Any]) -> bool:
@@ -257,10 +238,10 @@ class _QuestionParser(PieceParser):
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
             ends = [token.text for token in self.tokens[self.at + 4 : self.at + 6]]  # of y(1) at the end, or y(0)=1
-            said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
+            said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="])) or self.leads(self.at + 1)
             if said or after[:1] == ["="] or after in (["'", "="], ["'", "("]) or name in ("at", "from"):
                 self.take()
-        return self.next.kind == NAME or self._is_count(self.at)
+        return self.next.kind == NAME or self._is_count(self.at) or self.leads(self.at)
 
     def _is_count(self, at: int) -> bool:
         """True if a count of steps or periods, in digits or as a word, begins at this token."""
@@ -276,7 +257,8 @@ class _QuestionParser(PieceParser):
         names = tuple(rates) if isinstance(rates, dict) else ()
         if isinstance(start, dict):
             if missing := [name for name in (*names, *start) if name not in start or name not in names]:
-                lacks = f"{missing[0]}(0)" if missing[0] in names else f"{missing[0]}'"
+                name, of = missing[0], missing[0].removeprefix("d")
+                lacks = f"{of}'(0)" if of != name and of in names else f"{name}(0)" if name in names else f"{name}'"
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
             velocity = {name: said for name in names if (said := rates[name].text.strip()) in names}
             if {*velocity, *velocity.values()} == {*names} and not velocity.keys() & velocity.values():
@@ -333,9 +315,10 @@ class _QuestionParser(PieceParser):
 
     def _equation(self, token: Token, parts: dict[str, Any]) -> bool:
         """Parse y' = ..., dy/dt = ..., y(0) = ... or, at the end of a question, y(1); False if it is none of them."""
+        token, lead = self.without_lead(token)
         after = self.after(self.at)
         if self.next.text == "'" and after.text in ("=", "(", "'"):
-            self.put(parts["rates"], token, token.text, self.rate)
+            self.put(parts["rates"], token, token.text, lambda: self.rate(lead))
         elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
             self.take()
             self.put(parts["rates"], token, token.text[1:], self.rate)
@@ -380,6 +363,8 @@ class _QuestionParser(PieceParser):
             raise self.error(token, self._why_unexpected(token))
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
+            if parts[key].text == "exact":
+                self.accept("solution")
 
     def _why_unexpected(self, token: Token) -> str:
         from driftproof.numeric.problems.catalogue import PROBLEMS

@@ -11,12 +11,14 @@ from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
+from driftproof.methods.field_text import LEAD, of_first_order
 from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
-# What has a derivative in an equation.
+# The factors before a derivative in an equation, and what has one.
+_LEAD = re.compile(rf"{LEAD}+(?=[^\W\d]\w* ?' ?(?:\(t\) ?)?=)")
 UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 
 
@@ -52,6 +54,13 @@ def with_powers_of_e(text: str, unknowns: Collection[str]) -> str:
     """The text with exp(-t) for e^(-t) and e^-t in its equations, unless e is an unknown."""
     power = r"(?<![\w.)])e ?(?:\^|\*\*) ?(?:\(([^()]*)\)|(-?\w+))"
     return text if "e" in unknowns else re.sub(power, lambda to: f"exp({to[1] or to[2]})", text)
+
+
+def parsed_spelling(question: str) -> str:
+    """The question as it is parsed: Greek letters are spelled out, and equations are of first order."""
+    question = of_first_order(with_greek_spelled(question))
+    question = with_time(question, unknowns) if (unknowns := UNKNOWNS.findall(question)) else question
+    return with_calls_bracketed(with_powers_of_e(question, unknowns)) if unknowns else question
 
 
 @cache
@@ -148,8 +157,22 @@ class PieceParser(ExpressionParser):
         ends.append(last.column)
         return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
 
-    def rate(self) -> Token:
-        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query."""
+    def leads(self, at: int) -> bool:
+        """True if factors before a derivative, as in L*x' = ..., begin with the token of this index."""
+        return not self.in_rate and _LEAD.match(self.text, self.tokens[at].column - 1) is not None
+
+    def without_lead(self, first: Token) -> tuple[Token, str]:
+        """The name behind the factors that begin with a token just taken, and these; itself and "" for none."""
+        found = _LEAD.match(self.text, first.column - 1)
+        while found and first.column <= found.end():
+            first = self.take()
+        return first, found[0].rstrip(" *") if found else ""
+
+    def rate(self, lead: str = "") -> Token:
+        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query.
+
+        It is divided by the factors of the derivative, its `lead`.
+        """
         prime = self.take()
         if self.next.text == "'":
             raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")
@@ -163,7 +186,8 @@ class PieceParser(ExpressionParser):
             raise self.error(
                 self.next, f"{self.next.shown} is not an unknown or a function; write a product as t*y or t y"
             )
-        return self.piece(first.column, self.tokens[self.at - 1].end)
+        found = self.piece(first.column, self.tokens[self.at - 1].end)
+        return found._replace(text=f"({found.text})/({lead})") if lead else found
 
     def continues(self) -> bool:
         """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""

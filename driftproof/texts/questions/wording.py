@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from fractions import Fraction
 from functools import cache
 
 from driftproof.methods.expression_tree import NAME, Token
@@ -85,6 +86,11 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
 }
 
+# The equations of a question, its settings behind them, and the number that a setting has.
+STATED = re.compile(r"\b\w+''?(?:\(t\))? ?=.*")
+_SETTINGS = re.compile(r",?(?: with| at)? (?<!\w)[htN] ?= ?[0-9./]+")
+_GIVEN = r"(?<!\w){} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)"
+
 # Synonym -> setting.
 OTHER_SETTINGS = {
     **{"steps": "N", "n": "N", "dt": "h", "T": "t"},
@@ -113,6 +119,18 @@ ASKED_ELSEWHERE = {
 # Coefficients of a tableau: a21, a_10_2, b1, bhat1 of the embedded weights, c3; and slopes such as k1.q.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
 SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
+
+
+def meanings(name: str, method: str, question: str) -> str:
+    """What an ambiguous name may mean, ready to be asked of the question's method, problem, time and step sizes."""
+    meant = AMBIGUOUS_FACTS[name].replace("METHOD", method)
+    if stated := STATED.search(question):
+        meant = meant.replace(" h=", f" {_SETTINGS.sub('', stated[0]).strip(' ,')}, h=").replace(" t=", ", t=")
+    times, sizes = (re.findall(_GIVEN.format(x), question) for x in "th")
+    sizes += [str(Fraction(x) / 2) for x in sizes[:1]]
+    for usual, own in [*zip(["t=1"], times, strict=False), *zip(["h=1/10", "h=1/20"], sizes, strict=False)]:
+        meant = re.sub(rf"{usual}\b", f"{usual[:2]}{own}", meant)
+    return meant
 
 
 @cache

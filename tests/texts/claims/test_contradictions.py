@@ -2,13 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.contradictions import (
-    SETTING,
-    contradicted,
-    last_methods_named,
-    methods_named,
-    methods_said_of,
-)
+from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_compared, methods_said_of
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -101,13 +95,6 @@ def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
     assert other.question == "step position_verlet h=1/2 : q"
 
 
-def test_methods_are_named_in_every_way_but_by_the_names_of_people():
-    assert methods_named("a verlet method") == {"velocity_verlet", "position_verlet"}
-    assert methods_named("velocity\nverlet, and verlet again") == {"velocity_verlet"}
-    assert methods_named("by gauss and yoshida") == set()
-    assert last_methods_named("", "rk4, then velocity-verlet", "heun") == {"velocity_verlet"}
-
-
 def test_a_root_that_nothing_near_names_is_a_guess():
     text = "the gain is 2.828427124746190 dB"
     (number,) = numbers_in(text)
@@ -119,12 +106,6 @@ def test_a_setting_is_a_whole_number_above_zero_with_its_own_letter():
     other = ("δh = 0.1", "x.h = 1", "h = 0.0", "h = 0.", "h = 10^6", "h = 10⁶", "h = 2*pi", "h = 1e-3", "h = 1.2.3")
     assert {text: SETTING["h"].findall(text) for text in read} == {text: [number] for text, number in read.items()}
     assert [text for text in other if SETTING["h"].search(text)] == []
-
-
-def test_the_midpoint_of_a_step_and_a_fraction_are_no_methods():
-    assert methods_named("whose slope at the midpoint of the step is 3/8") == set()
-    assert methods_named("the 3/8 rule") == {"rk38"}
-    assert methods_named("explicit midpoint of order 2") == {"midpoint2"}
 
 
 @pytest.mark.parametrize(
@@ -149,3 +130,11 @@ def test_the_midpoint_of_a_step_and_a_fraction_are_no_methods():
 def test_a_sentence_says_of_which_method_a_number_is(own, said):
     before, _, after = said.split("@")
     assert methods_said_of(before, after) == {*own.split()}
+
+
+def test_a_ratio_is_of_errors_only_if_they_are_spoken_of():
+    both = ("forward_euler", "rk4")
+    assert methods_compared("with h = 0.1 the error of euler is ", " times that of rk4") == both
+    assert methods_compared("the error of rk4 is ", " times smaller than that of euler") == both
+    assert methods_compared("the cost of rk4 is ", " times that of euler") == ()
+    assert methods_compared("the error of euler is ", " times that of the same method") == ()

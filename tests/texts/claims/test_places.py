@@ -4,7 +4,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.texts.claims.places import asked_quantity
+from driftproof.texts.claims.contradictions import asked_quantity
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 

@@ -55,6 +55,41 @@ def test_a_number_whose_method_is_named_is_of_no_other_and_an_exchanged_pair_is_
     ]
 
 
+LOTKA = """\
+Hares x' = x - x y and foxes y' = -y + x y begin at x(0) = 1, y(0) = 2. V = x - ln x + y - ln y is conserved: {}
+The orders are 1 and 2."""
+
+
+@pytest.mark.parametrize(
+    ("said", "claimed"),
+    [
+        ("here V = 2.30685.", "t=0 : energy"),
+        ("Heun's method is used with h = 0.1 up to t = 1.\n\nThen V = 2.30685.", ""),
+        ("with h = 0.1 the invariant of RK4 is 2.30685 at t = 1.", "h=0.1, t=1 : energy"),
+    ],
+)
+def test_an_invariant_is_an_energy_and_one_that_is_kept_is_of_no_run_unless_said_so(said, claimed):
+    found, slips = claims_and_slips(LOTKA.format(said))
+    assert slips == {}
+    assert found["2.30685"][-len(claimed) :] == claimed
+    assert not any(strong for x, strong, _ in strong_and_slips(LOTKA.format(said))[-2:])
+
+
+def test_a_number_is_of_the_step_size_in_its_row_whatever_the_head_of_that_is():
+    sizes = {h: value(f"run heun2 lambda=-2 h={h} t=1 : y").places(5) for h in ("0.1", "0.05", "0.025")}
+    rows = "".join(f"| {h} | {y} |\n" for h, y in sizes.items())
+    said = "We solve y' = -2y, y(0) = 1 up to t = 1 with h = 0.1 and h = 0.05. h = 0.025."
+    assert claims_and_slips(f"{said}\n\n| spacing | Heun |\n{rows}")[1] == {}
+
+
+def test_a_table_without_a_right_number_is_of_another_problem():
+    text = "We solve y' = -RATEy, y(0) = 1 up to t = 1.\n\n| h | Heun |\n| 0.1 | 0.13745 |\n| 0.05 | 0.13582 |\n"
+    text += "| 0.025 | 0.13545 |\n| 0.0125 | 0.13537 |\n"
+    for rate, off in (("2", []), ("3", ["0.13745", "0.13582", "0.13545", "0.13537"])):
+        tables = [numbers for numbers, _ in Suggestions(text.replace("RATE", rate)).tables_off()]
+        assert [x.text for numbers in tables for x in numbers] == off
+
+
 def test_orders_of_a_list_are_those_of_its_methods():
     said = "Implicit Euler and trapezoidal rule have orders {} and {}."
     assert strong_and_slips(said.format(1, 2)) == [("1", True, []), ("2", True, [])]

@@ -23,6 +23,10 @@ SPRING = "With x'' = -x, x(0) = 1, x'(0) = 0 and energy E = x'^2/2 + x^2/2 we ta
         (f"{DECAY}The error of Heun's method falls by a factor of 4.34 from h = 0.05 to h = 0.1.", {"falls": "grows"}),
         (f"{DECAY}From h = 0.1 to h = 0.05 the accuracy of Heun's method grows by a factor of 4.34.", {}),
         (f"{DECAY}Halving the step, from h = 0.1, divides the error of Heun's method by 4.34.", {}),
+        (f"{DECAY}Euler's method is of first order: halving the step halves the error.", {}),
+        (f"{DECAY}Euler's method is of first order: halving the step doubles the error.", {"doubles": "half"}),
+        (f"{DECAY}Heun is of second order, so that halving the step makes the error about four times smaller.", {}),
+        (f"{DECAY}Heun's method makes an error, and RK4 is of fifth order.", {"fifth": "four"}),
         (f"{SPRING}Forward Euler spirals outward: E grows by 0.852 until t = 10.", {}),
         (f"{SPRING}Forward Euler spirals outward: E shrinks by 0.852 until t = 10.", {"shrinks": "grows"}),
         (f"{SPRING}With RK4 the energy falls by 6.936e-7 until t = 10.", {}),
@@ -47,3 +51,4 @@ def test_a_number_is_beside_a_word_and_an_order_is_of_a_method():
     assert not gap_to_number("", " and rises by ")
     assert gap_to_number(" mv too ", "")
     assert fact_in_word("third", "heun's method is not of ", " order.", None) is None
+    assert fact_in_word("fifth", "heun's method has an error, and that of rk4 is of ", " order.", None) is None

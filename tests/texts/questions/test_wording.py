@@ -60,6 +60,9 @@ SAME = {
     "run Heun y'(t)=-y, y(0)=1, h=0.1, t=1 : error": DECAY,
     "relative error of Heun on y'=-y, y(0)=1, h=0.1, t=1": f"({DECAY}) / exp(-1)",
     "run heun2 lambda=-1 h=1/10 t=1 : relative_error": f"({DECAY}) / exp(-1)",
+    "L*I' = V - R I, I(0)=0, L=1/2, R=2, V=10 with rk4 h=0.1 t=1 : I": "run rk4 y'=20-4y y(0)=0 h=0.1 t=1 : y",
+    "2*x''=-8x, x(0)=1, x'(0)=0 with rk4 h=0.1 t=1 : x": "run rk4 x'=v v'=-4x x(0)=1 v(0)=0 h=0.1 t=1 : x",
+    "I(1) of the exact solution of I'=-I, I(0)=1": "exact y'=-y y(0)=1 t=1 : y",
     "largest energy error of Euler y'=-y, y(0)=1, energy=y^2, h=1, t=2":
     "run forward_euler rates=(-y0) from 1 energy=y0^2 h=1 t=2 : largest_energy_change",
     "relative error of RK4 h=1/4 t=10 from 3,4": "(run rk4 h=1/4 t=10 from 3,4 : state_error) / 5",
@@ -133,6 +136,7 @@ REFUSED = [
     ("stability limit of RK4", 1, "may mean real_limit RK4 (largest hλ on y' = -λy) or imaginary_limit RK4"),
     ("largest stable step of RK4 on y'=-sin(y)", 34, "the largest stable step is known of y' = -cy and x'' = -cx"),
     ("stability interval of RK4 on y'=-y", 1, "stability_interval may mean real_limit RK4"),
+    ("observed order of RK4 from h=0.2 to h=0.1", 1, "ratio(run RK4 h=0.2 t=1 : error, run RK4 h=0.1 t=1 : error)"),
     ("observed order of RK4 at t=5 on y'=-y, y(0)=1", 1, "(run RK4 y'=-y, y(0)=1, h=1/10, t=5 : error, run RK4 y'=-y"),
     ("largest energy change of RK4 on y'=-y, y(0)=1, h=1, t=1", 1, "slope.y, k1.y, k2.y, k3.y, k4.y; add what it is"),
     ("error of Heun with h=0.1 at t=1 on y'=-y", 1, "y(0) = ... is missing, as in y'=-y, y(0)=1"),
@@ -145,7 +149,8 @@ REFUSED = [
     ("run rk4 y'=-y y(0)=1 energy=k h=1 t=1 : y", 12, "energy, 'k': 'k' is not allowed; write + - * / with t, y"),
     ("run leapfrog h=0.1 t=1 : q", 5, "'leapfrog' may mean velocity_verlet"),
     ("run rk4 y'''=-y y(0)=1 h=1 t=1 : y", 10, "an equation has at most two primes; write y''' = y as"),
-    ("run rk4 y''=-y y(0)=1 h=1 t=1 : y", 1, "dy(0) = ... is missing"),
+    ("run rk4 y''=-y y(0)=1 h=1 t=1 : y", 1, "y'(0) = ... is missing"),
+    ("run rk4 x''=-x, x(0)=1, x'(0)=0, h=1, t=1 : y", 45, "'y' is not a readout of run"),
     *((f"run rk4 y'=-y y(0)=1 {k}=2 h=1 t=1 : {k}", 22, f"'{k}' is not a setting; use h, t") for k in "ky"),
     ("run rk4 y'=-1/2y y(0)=1 h=1 t=1 : y", 16, "after / or ^ write a product with its sign: 2*y"),
     ("run rk4 y'=2ty y(0)=1 h=1 t=1 : y", 13, "'ty' is not an unknown or a function; write a product as t*y or t y"),
@@ -218,7 +223,7 @@ def test_a_part_of_a_longer_question_that_lacks_something_is_not_completed():
 
 def test_what_an_expression_may_mean_is_shown_with_the_method_of_the_question():
     for name in some(AMBIGUOUS_FACTS, 50):
-        for asked, method in {"RK4": "RK4", "'my m.toml' with h=1": "'my m.toml'", "gravity": "METHOD"}.items():
+        for asked, method in {"RK4": "RK4", "'my m.toml' with t=1": "'my m.toml'", "gravity": "METHOD"}.items():
             with pytest.raises(QuestionError) as caught:
                 value(f"{name.replace('_', ' ')} of {asked}")
             meant = AMBIGUOUS_FACTS[name].replace("METHOD", method)
