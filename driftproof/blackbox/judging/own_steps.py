@@ -217,6 +217,10 @@ class OwnSteps:
             raise MethodError(why or "in a step of it slopes hardly change")
         return max(found), ""
 
+    def put(self, end: Sequence[float]) -> Sequence[float]:
+        """The end of a step, which nothing is known to hold elsewhere."""
+        return end
+
     def apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
         """The largest difference of two ends, each half of a state relative to its own size."""
         halves = self.halves[self.size < 2 :]
