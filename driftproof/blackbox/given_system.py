@@ -41,6 +41,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
     MASSES,
+    ROTATION,
     STATE,
     TIME,
     parameters_of,
@@ -50,6 +51,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
+from driftproof.blackbox.stepper.starts import AS_PARTS
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
@@ -105,7 +107,8 @@ class _Given:
     """A system as a function, and its arguments: the time if it takes one, the state, and parameters of the step.
 
     If it is `by_parts`, y holds the parts of a complex state, which the system takes. `beside` are numbers of the step
-    that the system does not take.
+    that the system does not take. `parts` are the places of what it takes by name of a state that a start gives; its
+    slopes may leave these out, if the step keeps them as they are.
     """
 
     function: Callable[..., Any]
@@ -113,20 +116,24 @@ class _Given:
     values: Mapping[str, Any]
     by_parts: bool = False
     beside: Mapping[str, Any] = field(default_factory=dict)
+    parts: Mapping[str, int | slice] = field(default_factory=dict)
 
     @classmethod
     def of(cls, system: Callable[..., Any] | str, subject: ForeignStepper) -> _Given:
         """The system, with a value for each parameter of the step that it takes by name: those of defaults are kept."""
         function, kept = imported(system, "system"), _defaults(subject)
         masses = getattr(subject.function, "masses", None)
-        taken = [each for each in parameters_of(function) or () if each in {**kept, **subject.parameters}]
-        plain = [each for each in required_names(function) or ("t", "y") if each not in taken]
+        names = parameters_of(function) or ()
+        taken = [each for each in names if each in {**kept, **subject.parameters}]
+        parts = {each: x for each, x in getattr(subject.function, "later", {}).items() if each in names}
+        plain = [each for each in required_names(function) or ("t", "y") if each not in taken and each not in parts]
         if len(plain) == 2 and role_of(plain[0], (STATE,)) and not role_of(plain[1], (STATE, TIME)):
             raise BadInput(f"the system given takes {plain[1]}, which is no parameter of the step")
         values = zip((each for each in taken if each not in kept), cycle(_VALUES))
         held = {each: kept[each] for each in taken if each in kept}
         beside = {} if {*MASSES} & {*held} or masses is None else {"the masses of its bodies": masses}
-        return cls(function, plain, {**held, **dict(values)}, getattr(subject.function, "by_parts", False), beside)
+        by_parts = getattr(subject.function, "by_parts", False)
+        return cls(function, plain, {**held, **dict(values)}, by_parts, beside, parts)
 
     @property
     def words(self) -> str:
@@ -147,13 +154,21 @@ class _Given:
     def rates(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes. Raises ArithmeticError where it has none, and BadInput if they are not as many as the numbers."""
         state: Any = as_complex(y) if self.by_parts else np.array(y, float)
+        others, first = {name: state[place] for name, place in self.parts.items()}, np.full(len(y), True)
+        for place in self.parts.values():
+            first[place] = False
+        state = state[first] if others else state
         given = [t, state] if len(self.plain) > 1 else [state]
         if len(given) == 2 and role_of(self.plain[1], (TIME,)) and not role_of(self.plain[0], (TIME,)):
             given.reverse()
         try:
-            named = dict(zip(self.plain, given, strict=True)) if self.values else {}
-            slopes = self.function(*([] if named else given), **named, **self.values)
-            found = np.ravel(np.asarray(as_reals(slopes) if self.by_parts else slopes, float))
+            named = dict(zip(self.plain, given, strict=True)) if self.values or others else {}
+            slopes = self.function(*([] if named else given), **named, **self.values, **others)
+            parts = as_reals(slopes) if self.by_parts else slopes
+            several = parts if isinstance(parts, tuple | list) else [parts]
+            found = np.concatenate([np.ravel(np.asarray(each, float)) for each in several])
+            if others and found.size == first.sum():
+                found = np.bincount(np.flatnonzero(first), found, len(y))  # and no slopes of what the step keeps
         except Exception as error:
             raise ArithmeticError(f"the system given raises {type(error).__name__}: {error}") from None
         if found.size != len(y):
@@ -236,6 +251,8 @@ def _held(
     with a right-hand side among its arguments, and for slopes of another number; unless `anyway`, NotOnOwnSystem if the
     system is another one, and OwnSystem if that is open.
     """
+    if subject.convention.kind == ROTATION:
+        raise BadInput(f"{_TAKES_ONE}; of one that turns vectors say what they are: {AS_PARTS}")
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
     given, refused, far, limited = _Given.of(system, subject), list[BadInput](), list[str](), False

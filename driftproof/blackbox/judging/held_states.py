@@ -6,14 +6,17 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.judging.own_steps import OwnSteps
 from driftproof.blackbox.judging.whole_states import ROUGH
 from driftproof.blackbox.matching.tables import Array
 from driftproof.methods.schemes import Method
+
+if TYPE_CHECKING:
+    from driftproof.blackbox.judging.own_steps import OwnSteps
 
 # A step of this part of the system's own time shows its slopes; a jump is sixteen times as far as it moves a state.
 SHORT = 2.0**-12
@@ -100,13 +103,14 @@ def _are_units(ends: Mapping[tuple[float, ...], Array], i: int, j: int, rounding
 
 
 def how_held(
-    steps: OwnSteps, held: Held, method: Method, t: float, y: Sequence[float], h: float, allowed: Array
+    steps: OwnSteps, held: Held, method: Method, t: float, y: Sequence[float], h: float, allowed: Array | float
 ) -> tuple[str, float]:
     """The limit at which numbers end that are farther off the method's than allowed, in words, or a period; "" and 0.
 
     Beside this step they end in the same number, which is one between where they begin and the method's end; or as far
     off by whole periods, which change no slope.
     """
+    allowed = np.full(steps.size, allowed) if isinstance(allowed, float) else allowed
     end, told, begun = np.array(steps.end(t, y, h)), np.array(steps.step(method, t, y, h)), np.array(y)
     beyond = [int(i) for i in np.flatnonzero(np.abs(end - told) > allowed)]
     off, size = (end - told)[beyond], max(np.abs(each[beyond]).max() for each in (begun, end, told))
