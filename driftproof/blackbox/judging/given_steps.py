@@ -17,7 +17,7 @@ from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.agreement import NOT_BACK
-from driftproof.blackbox.judging.held_states import UNHELD, Held, how_held, without_periods
+from driftproof.blackbox.judging.held_states import UNHELD, Held, common_length, how_held, without_periods
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, SEEN_BENT, OwnSteps, ends_in_words, table_step
@@ -49,6 +49,8 @@ _LEAST = 2.0**-1022  # the smallest normal double: what is allowed may be 0
 # The velocities with which forces that depend on them are usually asked: the first is tried first.
 BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
 _AFTER, _ROUNDS = "before each kick but the last, and there with that after it", 100
+# A common length of many is no smaller part of them, while Euclid goes on to the rounding of others.
+_COMMON = 2.0**-24
 # Positions end at q + h v + c h**2 F and further powers of h, of which steps of this part of the system's own time, its
 # half and its quarter show two: what these leave is less than what the second of them changes.
 _HALVED = 2.0**-8
@@ -70,6 +72,11 @@ class Beside(NamedTuple):
     by_time: float
     limit: str
     period: float
+
+    @property
+    def fails(self) -> str:
+        """What is wrong, "" if nothing is or if the code holds what ends elsewhere."""
+        return "" if self.limit or self.period else self.wrong
 
 
 @dataclass(frozen=True)
@@ -282,7 +289,7 @@ class GivenSteps(OwnSteps):
         if not right:
             with suppress(Misbehaviour, ArithmeticError):
                 limit, period = how_held(self, self.held, method, t, y, h, allowed)
-        wrong *= not (right or limit or period)
+        wrong *= not right
         apart *= not period
         return Beside(seen, told, apart, wrong, right and not within, by_time.max(), limit, period)
 
@@ -304,12 +311,14 @@ class GivenSteps(OwnSteps):
                 if one.limit:
                     continue
                 found.append(one)
-                if one.wrong:
-                    return StepFinding(False, one.wrong)
+                if one.fails:
+                    return StepFinding(False, one.fails)
                 bent = max(bent, h * self.apart(y, self.rates(t, y), self.rates(t + h, one.told)))
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 refused.append(why)
+        if wrong := _of_no_period(held):
+            return StepFinding(False, wrong)
         if bent < SEEN_BENT:
             longest = wanted.domain.largest_step
             words = f"; write --largest-step {self.unit:g}, in Python domain=Domain({self.unit:g})"
@@ -361,13 +370,15 @@ class GivenSteps(OwnSteps):
             except ArithmeticError:
                 pass
             else:
-                if one.wrong:
-                    return StepFinding(False, one.wrong)
+                if one.fails:
+                    return StepFinding(False, one.fails)
                 held.append(one)
                 if one.limit:
                     continue
                 states.append(max(map(abs, y)))
                 steps.append(h)
+        if wrong := _of_no_period(held):
+            return StepFinding(False, wrong)
         told = [f"no answer to {counted(len(refused), 'step')} elsewhere: {refused[0]}"] if refused else []
         told += (kept := _held(held))
         if steps:
@@ -388,8 +399,8 @@ class GivenSteps(OwnSteps):
                 return StepFinding(None, f"h < 0 is refused: {error}")
             except ArithmeticError:
                 continue
-            if one.wrong:
-                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.wrong)
+            if one.fails:
+                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.fails)
             found += not one.limit
             held.append(one)
         told = "; ".join([*(kept := _held(held)), f"{found} steps with h < 0 agree"])
@@ -406,8 +417,8 @@ class GivenSteps(OwnSteps):
                 one = steps.beside(wanted, t, [self.number(nudge * x) for x in y], h)
             except ArithmeticError:  # the method has no step there
                 break
-            if one.wrong:
-                return one.wrong, seen
+            if one.fails:
+                return one.fails, seen
             y = one.end
             seen.append(tuple(y))
             t += h * (self.times == TIMES)  # which the clock of a record returned shows
@@ -431,6 +442,12 @@ class GivenSteps(OwnSteps):
             read=lambda value, size: adapter.read(value, size + len(rest))[:size],
         )
         return replace(subject, adapter=first)
+
+
+def _of_no_period(steps: Sequence[Beside]) -> str:
+    """What is wrong with steps that end elsewhere by lengths which have no common one; "" if these are periods."""
+    lengths, wrong = [one.period for one in steps], next((one.wrong for one in steps if one.period), "")
+    return wrong * (common_length(lengths) < _COMMON * max(lengths, default=0.0))
 
 
 def _held(steps: Sequence[Beside]) -> list[str]:

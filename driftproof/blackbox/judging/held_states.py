@@ -21,21 +21,18 @@ if TYPE_CHECKING:
 # A step of this part of the system's own time shows its slopes; a jump is sixteen times as far as it moves a state.
 SHORT = 2.0**-12
 _JUMP = 16 * SHORT
-# What is held ends in the same number, or as far off, in a step that is longer or shorter by this part; other errors
-# change by about as much of them, of which this is little.
+# What is held ends in the same number, or as far off, in a step that is longer or shorter by this part, from a state
+# that is larger or smaller by it; other errors change by about as much of them, of which this is little.
 _BESIDE, _SAME = 2.0**-20, 2.0**-28
 _ROUNDINGS = 16  # in units of u, which a length of 1 may have
 
 
 @dataclass(frozen=True)
 class Held:
-    """The parts that are divided by their length, as places where they begin and end, and limits seen of numbers.
-
-    A limit has the place of its number, its value, and 1.0 if it is a lower one, or -1.0.
-    """
+    """The parts that are divided by their length, as places where they begin and end, and numbers that have a limit."""
 
     divided: tuple[tuple[int, int], ...] = ()
-    limits: frozenset[tuple[int, float, float]] = frozenset()
+    limits: frozenset[int] = frozenset()
 
     def put(self, end: Sequence[float]) -> list[float]:
         """The end of a step with these parts divided."""
@@ -80,10 +77,10 @@ def held_in(steps: OwnSteps, parts: Sequence[tuple[int, int]]) -> tuple[Held, li
     divided = divided or [part for part in shortest if _are_units(shorter, *part, rounding)][:1]
     jumps, moves = np.array([*jumped.values()]), np.array(onward) != np.array([*shorter.values()])
     limits = jumps.any(axis=0) & (~jumps.all(axis=0) | moves.any(axis=0))
-    states, seen = list[tuple[float, ...]](), set[tuple[int, float, float]]()
+    states, seen = list[tuple[float, ...]](), set[int]()
     for (y, near), same, left in zip(shorter.items(), still, moves, strict=True):
         at_limit, end = jumped[y] & limits, tuple(near.tolist())
-        seen |= {(int(i), end[i], float(np.sign(end[i] - y[i]))) for i in np.flatnonzero(at_limit & same)}
+        seen |= {int(i) for i in np.flatnonzero(at_limit & same)}
         with suppress(ArithmeticError):
             if not (divided or at_limit.any()):
                 states.append(y)
@@ -107,25 +104,26 @@ def how_held(
 ) -> tuple[str, float]:
     """The limit at which numbers end that are farther off the method's than allowed, in words, or a period; "" and 0.
 
-    Beside this step they end in the same number, which is one between where they begin and the method's end; or as far
-    off by whole periods, which change no slope.
+    Beside this step they end in the same numbers, one of which is between where it begins and the method's end; or as
+    far off by whole periods, which change no slope.
     """
     allowed = np.full(steps.size, allowed) if isinstance(allowed, float) else allowed
     end, told, begun = np.array(steps.end(t, y, h)), np.array(steps.step(method, t, y, h)), np.array(y)
     beyond = [int(i) for i in np.flatnonzero(np.abs(end - told) > allowed)]
     off, size = (end - told)[beyond], max(np.abs(each[beyond]).max() for each in (begun, end, told))
-    known = np.array(
-        [(i, x, float(np.sign(x - z))) in held.limits for i, (x, z) in enumerate(zip(end, told, strict=True))]
-    )
-    for at in (h * (1 - _BESIDE), h * (1 + _BESIDE)):
-        other, meant = np.array(steps.end(t, y, at)), np.array(steps.step(method, t, y, at))
-        passed = [
-            (np.minimum(begun, to) <= end) & (end <= np.maximum(begun, to)) & (end != begun) for to in (told, meant)
-        ]
-        if ((known | passed[0] & passed[1]) & (other == end) & (meant != told))[beyond].all():
-            return f"number {beyond[0]} ends at {end[beyond[0]]:g}, a limit, where {method.key} goes on", 0.0
+    known = np.array([i in held.limits for i in range(steps.size)])
+    for by in (1 - _BESIDE, 1 + _BESIDE):
+        z = [x * by for x in y]
+        other, meant = np.array(steps.end(t, z, by * h)), np.array(steps.step(method, t, z, by * h))
+        passed = known | (end != begun)
+        for to in (told, meant):
+            passed &= known | (np.minimum(begun, to) <= end) & (end <= np.maximum(begun, to))
+        if passed[beyond].any() and ((other == end) & (meant != told))[beyond].all():
+            i = next(i for i in beyond if passed[i])
+            return f"number {i} ends at {end[i]:g}, a limit, where {method.key} goes on", 0.0
         period = common_length(np.abs(off).tolist(), steps.half * size)
-        same = np.abs((other - meant)[beyond] - off) <= _SAME * np.abs(off) + allowed[beyond]
+        change = (other - meant)[beyond] - off
+        same = np.abs(change - (period and period * np.rint(change / period))) <= _SAME * np.abs(off) + allowed[beyond]
         if period > steps.half * size / ROUGH and same.all():
             slopes, others = steps.slopes(t + h, end.tolist()), steps.slopes(t + h, told.tolist())
             if np.allclose(slopes, others, steps.half, steps.half * max(map(abs, others))):
