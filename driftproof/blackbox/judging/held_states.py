@@ -112,6 +112,7 @@ def how_held(
     beyond = [int(i) for i in np.flatnonzero(np.abs(end - told) > allowed)]
     off, size = (end - told)[beyond], max(np.abs(each[beyond]).max() for each in (begun, end, told))
     known = np.array([i in held.limits for i in range(steps.size)])
+    period = common_length(np.abs(off).tolist(), steps.half * size)
     for by in (1 - _BESIDE, 1 + _BESIDE):
         z = [x * by for x in y]
         other, meant = np.array(steps.end(t, z, by * h)), np.array(steps.step(method, t, z, by * h))
@@ -121,7 +122,6 @@ def how_held(
         if passed[beyond].any() and ((other == end) & (meant != told))[beyond].all():
             i = next(i for i in beyond if passed[i])
             return f"number {i} ends at {end[i]:g}, a limit, where {method.key} goes on", 0.0
-        period = common_length(np.abs(off).tolist(), steps.half * size)
         change = (other - meant)[beyond] - off
         same = np.abs(change - (period and period * np.rint(change / period))) <= _SAME * np.abs(off) + allowed[beyond]
         if period > steps.half * size / ROUGH and same.all():
