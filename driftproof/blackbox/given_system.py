@@ -231,7 +231,7 @@ def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], 
 
 
 def _slopes_in_words(y: Sequence[float], seen: Array, told: Array) -> str:
-    """Where short steps go otherwise than a system: of many numbers, the one that differs most."""
+    """The slopes of short steps beside those of a system, in words: of many numbers, the one that differs most."""
     if len(y) > _SHOWN:
         worst = int(np.abs(seen - told).argmax())
         return (
@@ -305,6 +305,13 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     except MethodError as why_not:
         kind = Unpaired if steps.size % 2 and isinstance(method, Splitting) else OwnSystem
         raise kind(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
+    if not found.holds and steps.held.divided:
+        stages = replace(steps, rates=lambda t, y: steps.rates(t, steps.held.put(y)))
+        with suppress(MethodError):
+            if (other := stages.near(wanted, words)).holds:
+                raise OwnSystem(
+                    f"its stages are divided by their length as well; with a system that does so it {other.words}"
+                )
     if not found.holds and isinstance(method, Splitting) and steps.pushed:
         if otherwise := steps.moved_otherwise(method):
             raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.whole_states import ROUGH
 from driftproof.blackbox.matching.tables import Array
 from driftproof.methods.schemes import Method
-
-if TYPE_CHECKING:
-    from driftproof.blackbox.judging.own_steps import OwnSteps
 
 # A step of this part of the system's own time shows its slopes; a jump is sixteen times as far as it moves a state.
 SHORT = 2.0**-12
@@ -50,8 +47,8 @@ class Held:
 UNHELD = Held()
 
 
-def held_in(steps: OwnSteps, parts: Sequence[tuple[int, int]]) -> tuple[Held, list[tuple[float, ...]]]:
-    """What is held, and states from which short steps do not jump: of one that does, where it ends.
+def held_in(steps: Any, parts: Sequence[tuple[int, int]]) -> tuple[Held, list[tuple[float, ...]]]:
+    """What is held of `OwnSteps`, and states from which short ones do not jump: of one that does, where it ends.
 
     At a limit a number goes as far in a step of half the length, and either not from every state, or not from its end,
     as what a code sets or multiplies does; a part with the length 1 may jump from every state, and is one of these
@@ -100,7 +97,7 @@ def _are_units(ends: Mapping[tuple[float, ...], Array], i: int, j: int, rounding
 
 
 def how_held(
-    steps: OwnSteps, held: Held, method: Method, t: float, y: Sequence[float], h: float, allowed: Array | float
+    steps: Any, held: Held, method: Method, t: float, y: Sequence[float], h: float, allowed: Array | float
 ) -> tuple[str, float]:
     """The limit at which numbers end that are farther off the method's than allowed, in words, or a period; "" and 0.
 

@@ -26,7 +26,8 @@ def test_a_limit_of_a_step_is_no_other_system():
     assert verify(reset, "symplectic_euler", system=lambda y: [y[1], -y[0]], isolate=False).passed is False
 
 
-def turning(q, w, right=True, steady=False):
+def turning(q, w, right=True, steady=False, stages=False):
+    q = q / np.linalg.norm(q) if stages else q
     turned, moments = np.cross(q[1:], w) if right else np.cross(w, q[1:]), np.array([4.0, 5.0, 7.0])
     return np.array([-w @ q[1:], *(w * q[0] + turned)]) / 2, np.cross(moments * w, w) * (not steady)
 
@@ -41,6 +42,7 @@ def attitude(q, w, dt, weight=1 / 2, **options):
     ({}, "is midpoint2 on the system given, with numbers 0 to 3 divided by their length at its end, to "),
     ({"right": False}, "is not midpoint2: its system is not the one given: from ("),
     ({"weight": 1 / 4}, "is not midpoint2"),
+    ({"stages": True}, "undecided whether it is midpoint2: its stages are divided by their length as well; with a"),
 ])  # fmt: skip
 @pytest.mark.parametrize("form", ["parts", "one", "by name", "kept"])
 def test_a_part_that_is_divided_by_its_length_is_judged_along_the_sphere(options, said, form):
