@@ -26,6 +26,7 @@ from driftproof.blackbox.findings import (
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
 from driftproof.blackbox.judging.given_steps import BEFORE, GivenSteps
+from driftproof.blackbox.judging.held_states import SHORT, held_in
 from driftproof.blackbox.judging.own_steps import OwnSteps
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
@@ -40,6 +41,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
     MASSES,
+    ROTATION,
     STATE,
     TIME,
     parameters_of,
@@ -49,17 +51,16 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
-from driftproof.blackbox.stepper.starts import Start
+from driftproof.blackbox.stepper.starts import AS_PARTS
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
 
-# A step of this part of the system's own time shows its slopes, but for what the slopes given change in it and for the
-# rounding of the state over it. Those of another system differ by a thousandth at least: steps tell smaller errors.
-_SHORT, _ALIKE = 2.0**-12, 2.0**-10
-# A jump: sixteen times as far as such a step of the system moves a state of this size.
-_JUMP = 16 * _SHORT
+# A short step shows the slopes, but for what the slopes given change in it and for the rounding of the state over it.
+# Those of another system differ by a thousandth at least: steps tell smaller errors.
+_ALIKE = 2.0**-10
+_SHOWN = 7  # numbers, such as those of an attitude and its rates; of more a line is hard to read
 _TAKES_ONE = (
     "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
     "out, and all but the right-hand side of the code is judged"
@@ -106,7 +107,8 @@ class _Given:
     """A system as a function, and its arguments: the time if it takes one, the state, and parameters of the step.
 
     If it is `by_parts`, y holds the parts of a complex state, which the system takes. `beside` are numbers of the step
-    that the system does not take.
+    that the system does not take. `parts` are the places of what it takes by name of a state that a start gives; its
+    slopes may leave these out, if the step keeps them as they are.
     """
 
     function: Callable[..., Any]
@@ -114,20 +116,24 @@ class _Given:
     values: Mapping[str, Any]
     by_parts: bool = False
     beside: Mapping[str, Any] = field(default_factory=dict)
+    parts: Mapping[str, int | slice] = field(default_factory=dict)
 
     @classmethod
     def of(cls, system: Callable[..., Any] | str, subject: ForeignStepper) -> _Given:
         """The system, with a value for each parameter of the step that it takes by name: those of defaults are kept."""
         function, kept = imported(system, "system"), _defaults(subject)
         masses = getattr(subject.function, "masses", None)
-        taken = [each for each in parameters_of(function) or () if each in {**kept, **subject.parameters}]
-        plain = [each for each in required_names(function) or ("t", "y") if each not in taken]
+        names = parameters_of(function) or ()
+        taken = [each for each in names if each in {**kept, **subject.parameters}]
+        parts = {each: x for each, x in getattr(subject.function, "later", {}).items() if each in names}
+        plain = [each for each in required_names(function) or ("t", "y") if each not in taken and each not in parts]
         if len(plain) == 2 and role_of(plain[0], (STATE,)) and not role_of(plain[1], (STATE, TIME)):
             raise BadInput(f"the system given takes {plain[1]}, which is no parameter of the step")
         values = zip((each for each in taken if each not in kept), cycle(_VALUES))
         held = {each: kept[each] for each in taken if each in kept}
         beside = {} if {*MASSES} & {*held} or masses is None else {"the masses of its bodies": masses}
-        return cls(function, plain, {**held, **dict(values)}, getattr(subject.function, "by_parts", False), beside)
+        by_parts = getattr(subject.function, "by_parts", False)
+        return cls(function, plain, {**held, **dict(values)}, by_parts, beside, parts)
 
     @property
     def words(self) -> str:
@@ -148,13 +154,21 @@ class _Given:
     def rates(self, t: float, y: Sequence[float]) -> list[float]:
         """The slopes. Raises ArithmeticError where it has none, and BadInput if they are not as many as the numbers."""
         state: Any = as_complex(y) if self.by_parts else np.array(y, float)
+        others, first = {name: state[place] for name, place in self.parts.items()}, np.full(len(y), True)
+        for place in self.parts.values():
+            first[place] = False
+        state = state[first] if others else state
         given = [t, state] if len(self.plain) > 1 else [state]
         if len(given) == 2 and role_of(self.plain[1], (TIME,)) and not role_of(self.plain[0], (TIME,)):
             given.reverse()
         try:
-            named = dict(zip(self.plain, given, strict=True)) if self.values else {}
-            slopes = self.function(*([] if named else given), **named, **self.values)
-            found = np.ravel(np.asarray(as_reals(slopes) if self.by_parts else slopes, float))
+            named = dict(zip(self.plain, given, strict=True)) if self.values or others else {}
+            slopes = self.function(*([] if named else given), **named, **self.values, **others)
+            parts = as_reals(slopes) if self.by_parts else slopes
+            several = parts if isinstance(parts, tuple | list) else [parts]
+            found = np.concatenate([np.ravel(np.asarray(each, float)) for each in several])
+            if others and found.size == first.sum():
+                found = np.bincount(np.flatnonzero(first), found, len(y))  # and no slopes of what the step keeps
         except Exception as error:
             raise ArithmeticError(f"the system given raises {type(error).__name__}: {error}") from None
         if found.size != len(y):
@@ -199,37 +213,33 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
         other = replace(subject, function=of_size(size), adapter=ARRAYS) if STATE in given else subject
         found = seen_at(other, domain, size)
         with suppress(Misbehaviour):
-            if size != len(first[1][0]) and OwnSteps(*found).end(0.0, found[1][0], _SHORT):
+            if size != len(first[1][0]) and OwnSteps(*found).end(0.0, found[1][0], SHORT):
                 yield found
 
 
-def _unlike(
-    subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float, start: Start | None
-) -> tuple[str, bool]:
-    """How short steps differ from these slopes of the system given, "" if they agree; and whether only by limits.
-
-    At a limit a number goes as far in a step of half the length, as where it is clipped, or wrapped into a box, but
-    not from every state; or each state comes back with one of the parts of a start divided by its length.
-    """
-    h, found, held = _SHORT * unit, dict[tuple[float, ...], str](), dict[tuple[float, ...], Array]()
-    divided = [True] * len(vectors := [(i, j) for i, j in start.cuts if j > i + 1] if start else [])
+def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float) -> str:
+    """How short steps differ from these slopes of the system given; "" if they agree."""
+    h = SHORT * unit
     for y, told in slopes.items():
         with suppress(Misbehaviour, ArithmeticError):
-            end, shorter = (np.array(OwnSteps(subject, [y]).end(0.0, y, x)) for x in (h, h / 2))
-            moved, half = np.abs(end - np.array(y)), np.abs(shorter - np.array(y))
-            jumps = (moved > _JUMP * np.abs(y).max()) & (half > 3 / 4 * moved)
-            held[y], seen = (end == shorter) & (moved > 0) | jumps, (end - np.array(y)) / h
-            for place, (i, j) in enumerate(vectors):
-                unit_length = np.array(y)[i:j] / np.linalg.norm(y[i:j])
-                divided[place] &= bool(np.abs(end[i:j] - unit_length).max() < _JUMP)
+            seen = (np.array(OwnSteps(subject, [y]).end(0.0, y, h)) - np.array(y)) / h
             changed = np.abs(np.subtract(given.rates(h, (np.array(y) + h * told).tolist()), told)).max()
             rounded = float(subject.format.u) * np.abs(y).max() / h
             if not np.allclose(seen, told, _ALIKE, _ALIKE * np.abs(told).max() + 2 * (changed + rounded)):
-                at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
-                found[y] = f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
-    limits = np.logical_and.reduce([*held.values()]) < np.logical_or.reduce([*held.values()]) if held else False
-    beyond = [] if any(divided) else [words for y, words in found.items() if not np.any(held[y] & limits)]
-    return next(iter([*beyond, *found.values()]), ""), not beyond
+                return _slopes_in_words(y, seen, told)
+    return ""
+
+
+def _slopes_in_words(y: Sequence[float], seen: Array, told: Array) -> str:
+    """The slopes of short steps beside those of a system, in words: of many numbers, the one that differs most."""
+    if len(y) > _SHOWN:
+        worst = int(np.abs(seen - told).argmax())
+        return (
+            f"from ({y[0]:g}, {y[1]:g}, ...) number {worst} goes in a short step as {seen[worst]:.6g} times h, and in "
+            f"the system given as {told[worst]:.6g}"
+        )
+    at, goes, given_as = (", ".join(f"{x:.6g}" for x in numbers) for numbers in (y, seen, told))
+    return f"from ({at}) a short step goes as ({goes}) times h, and the system given as ({given_as})"
 
 
 def _held(
@@ -241,9 +251,11 @@ def _held(
     with a right-hand side among its arguments, and for slopes of another number; unless `anyway`, NotOnOwnSystem if the
     system is another one, and OwnSystem if that is open.
     """
+    if subject.convention.kind == ROTATION:
+        raise BadInput(f"{_TAKES_ONE}; of one that turns vectors say what they are: {AS_PARTS}")
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
-    given, refused, far, limited = _Given.of(system, subject), list[BadInput](), list[str](), ""
+    given, refused, far, limited = _Given.of(system, subject), list[BadInput](), list[str](), False
     others = [given.halved(subject)] * bool(given.values) + [replace(given, by_parts=False)] * given.by_parts
     for each in (given, *others):  # if it has no slopes at numbers above 1, or of a complex state
         for place, (reading, states) in enumerate(_readings(each.on(subject), wanted.domain)):
@@ -253,10 +265,16 @@ def _held(
                 refused.append(error)
                 continue
             unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
-            unlike, by_limits = _unlike(reading, slopes, each, unit, wanted.domain.begins)
-            if unlike and not anyway:
+            begins, steps = wanted.domain.begins, GivenSteps(reading, [*slopes], unit, each.rates)
+            held, within = held_in(steps, begins.cuts if begins else ())
+            if not within[1:]:
+                limited = True
+                continue
+            if within != [*slopes]:
+                slopes = each.slopes(within)
+                unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
+            if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
                 far.append(unlike)
-                limited = limited or unlike * by_limits
                 if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
                     break  # of an array that it takes; the size of vectors is a guess
             elif far:
@@ -264,17 +282,17 @@ def _held(
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
                 size = f" in {counted(len(states[0]), 'number')}" * bool(place)
-                return GivenSteps(reading, [*slopes], unit, each.rates), each.words + size
+                return GivenSteps(reading, [*slopes], unit, each.rates, held=held), each.words + size
         if far and each.beside:
             raise OwnSystem(
                 f"its system is not the one given{each.words}, and one that takes masses is asked for: {far[0]}"
             )
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
-        if limited:
-            raise Limited(f"some states jump, or end at a limit, however short the step: {limited}")
         if far:
             raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
+        if limited:
+            raise Limited("states jump, or end at a limit, however short the step")
     raise refused[0]
 
 
@@ -287,6 +305,13 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     except MethodError as why_not:
         kind = Unpaired if steps.size % 2 and isinstance(method, Splitting) else OwnSystem
         raise kind(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
+    if not found.holds and steps.held.divided:
+        stages = replace(steps, rates=lambda t, y: steps.rates(t, steps.held.put(y)))
+        with suppress(MethodError):
+            if (other := stages.near(wanted, words)).holds:
+                raise OwnSystem(
+                    f"its stages are divided by their length as well; with a system that does so it {other.words}"
+                )
     if not found.holds and isinstance(method, Splitting) and steps.pushed:
         if otherwise := steps.moved_otherwise(method):
             raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")
@@ -373,7 +398,7 @@ def report_on_system(
     search = partial(_mistakes, wanted=wanted, system=system)
     mistakes = (runner.outcome_of(search).result or ()) if refuted else ()
     passed, verdict = _verdict(key, checks, mistakes)
-    remarks = [f"remark: {each}" for each in told if passed]
+    remarks = [f"remark: {each}" for each in told if passed and each.partition("; ")[0] not in verdict]
     if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
         verdict = f"{NO_ANSWER}: {words}"
     verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
@@ -390,6 +415,8 @@ def _verdict(key: str, checks: Sequence[Criterion], mistakes: Sequence[str]) -> 
     first, *further = checks
     again = [check for check in further if check.title == FIRST_CALL]
     failed = [check for check in (first, *again, *further) if check.passed is False]
+    if failed[1:] and failed[1] in again and not mistakes:  # what it keeps may move its slopes as well
+        return False, f"is not {key}: its answers change from call to call: {failed[1].lines[0]}; {failed[0].lines[0]}"
     if failed and failed[0] in (first, *again):
         return False, refusal(key, mistakes, failed[0].lines[0])
     if failed:

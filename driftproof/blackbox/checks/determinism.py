@@ -17,7 +17,7 @@ from driftproof.blackbox.checks.trials import (
 )
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.probes.coefficients import half_spacing
-from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
+from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import FloatFormat
 
@@ -110,13 +110,6 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
     return f"up to {spread / max(map(abs, ORDINARY_STATE)):.1e} of their size"
 
 
-def _oscillates(runner: TrialRunner) -> bool:
-    """True if a short step moves v by -h q, as one of q'' = -q does."""
-    (q, v), h = runner.ordinary, 2 * float(runner.format.u) ** 0.5
-    answer = runner.trial(q, v, h).answer
-    return answer is not None and abs((answer[1] - v) / h + q) <= abs(q) / 2
-
-
 _KEY = "batches"
 _STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))
 
@@ -141,6 +134,6 @@ def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         if trial.answer != answer:
             words = f"several states in one call give other results than one by one: {answer} instead of {trial.line}"
             # Of another system than q'' = -q several numbers may be one vector.
-            holds = None if subject.convention.kind == MAP and not _oscillates(runner) else False
+            holds = None if runner.of_another_system else False
             return (CheckResult(_KEY, holds, words, (trial,)),)
     return (CheckResult(_KEY, True, "several states in one call give the same results as one by one", trials[:1]),)

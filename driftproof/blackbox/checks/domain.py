@@ -143,8 +143,8 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
         return CheckResult(LARGE_STATES, True, "large states give finite answers")
     first = min(overflows, key=lambda rule: abs(rule.limit))
     name = borders.COMPONENT_NAMES[first.component]
-    holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
-    room = "close to" if holds else "far from"
+    near = abs(first.limit) >= _EARLY * float(runner.format.largest)
+    holds, room = near or (None if runner.of_another_system else False), "close to" if near else "far from"
     words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {room} overflow"
     return CheckResult(LARGE_STATES, holds, words, first.border.example)
 
@@ -156,7 +156,9 @@ def _small(short: borders.NegligibleStep) -> CheckResult:
         base = short.state[component]
         seen = borders.border(short, partial(short.along, component), base, [base * s for s in shrinking])
         if seen is not None:
-            return CheckResult("small_states", False, _put_to_rest(short, component, seen), seen.example)
+            singular = not seen.beyond[0].finite and short.runner.of_another_system
+            holds = None if singular else False
+            return CheckResult("small_states", holds, _put_to_rest(short, component, seen), seen.example)
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
     seen = None if short.slack else borders.border(short, short.scaled, 1.0, shrinking)
     if seen is None:

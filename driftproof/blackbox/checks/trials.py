@@ -14,6 +14,7 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape, once
 from driftproof.blackbox.probes.linear_steps import MOST_ROUNDING
 from driftproof.blackbox.stepper.call_text import call_text
+from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
@@ -96,6 +97,14 @@ class TrialRunner:
             return Trial(call, given, failure=f"raises {raised}: {' '.join(str(cause).split())}", raised=raised)
         except (WrongShape, NotANumber) as seen:
             return Trial(call, given, failure=str(seen).removeprefix("it "))
+
+    @property
+    def of_another_system(self) -> bool:
+        """True if a system is built in on which a short step does not move v by -h q, as one of q'' = -q does."""
+        (q, v), h = self.ordinary, 2 * float(self.format.u) ** 0.5
+        answer = self.trial(q, v, h).answer
+        oscillates = answer is not None and abs((answer[1] - v) / h + q) <= abs(q) / 2
+        return self.subject.convention.kind == MAP and not oscillates
 
     @property
     def is_coarse(self) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import product
-from math import cos, pi, sqrt
+from math import cos, sqrt
 from random import Random
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.agreement import NOT_BACK
+from driftproof.blackbox.judging.held_states import UNHELD, Held, common_length, how_held, without_periods
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, SEEN_BENT, OwnSteps, ends_in_words, table_step
@@ -48,6 +49,8 @@ _LEAST = 2.0**-1022  # the smallest normal double: what is allowed may be 0
 # The velocities with which forces that depend on them are usually asked: the first is tried first.
 BEFORE, _PREDICTED = "before each kick", "that the first force predicts for each kick"
 _AFTER, _ROUNDS = "before each kick but the last, and there with that after it", 100
+# A common length of many is no smaller part of them, while Euclid goes on to the rounding of others.
+_COMMON = 2.0**-24
 # Positions end at q + h v + c h**2 F and further powers of h, of which steps of this part of the system's own time, its
 # half and its quarter show two: what these leave is less than what the second of them changes.
 _HALVED = 2.0**-8
@@ -57,7 +60,8 @@ class Beside(NamedTuple):
     """The end of a step and that of the method's; how far it is off, and in words if that is too far, else "".
 
     It is `rough` if its own rounding explains that, and that of the method's step does not. `by_time` is how far, in
-    units of what is allowed, the method's step would end from there with a clock that is a step ahead.
+    units of what is allowed, the method's step would end from there with a clock that is a step ahead. `limit` says at
+    which limit the code holds numbers that end elsewhere, and `period` is that of which they are whole ones off.
     """
 
     end: list[float]
@@ -66,6 +70,13 @@ class Beside(NamedTuple):
     wrong: str
     rough: bool
     by_time: float
+    limit: str
+    period: float
+
+    @property
+    def fails(self) -> str:
+        """What is wrong, "" if nothing is or if the code holds what ends elsewhere."""
+        return "" if self.limit or self.period else self.wrong
 
 
 @dataclass(frozen=True)
@@ -74,6 +85,7 @@ class GivenSteps(OwnSteps):
 
     rates: Callable[[float, Sequence[float]], list[float]] = lambda t, y: [*y]
     asked: str = ""
+    held: Held = UNHELD
 
     @cached_property
     def problem(self) -> NonlinearProblem:
@@ -135,7 +147,15 @@ class GivenSteps(OwnSteps):
         """The same steps with a clock of the system that is h ahead."""
         return replace(self, rates=lambda t, y: self.rates(t + h, y))
 
+    def put(self, end: Sequence[float]) -> Sequence[float]:
+        """The end of a step with the parts divided by their length that the code divides."""
+        return self.held.put(end)
+
     def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
+        """The method's step, its end put where the code holds it."""
+        return self.held.put(self._made(method, t, y, h))
+
+    def _made(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step; of a splitting, each part asks where the one before it ends, with the usual velocity."""
         if isinstance(method, RungeKutta | Collocation):
             return table_step(method, self.rates, t, y, h, _SETTLED)
@@ -263,18 +283,15 @@ class GivenSteps(OwnSteps):
                 right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
         at = f" at t = {t:g}" * bool(t)
         wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
-        by_time = np.abs(np.subtract(self.later(h).step(method, t, y, h), told)) / np.maximum(allowed, _LEAST)
         apart = self.apart(np.maximum(np.abs(y), np.abs(told)).tolist(), seen, told)
-        return Beside(seen, told, apart, wrong * (not right), right and not within, by_time.max())
-
-    def _whole_turns(self, t: float, one: Beside) -> bool:
-        """True if a step ends at time t where the method's does but for whole turns, which change no slope there."""
-        turns = np.subtract(one.end, one.told) / (2 * pi)
-        with suppress(ArithmeticError):  # where a step ends wrongly, there may be no slopes
-            slopes, others = self.rates(t, one.end), self.rates(t, one.told)
-            same = np.allclose(slopes, others, self.half, self.half * max(map(abs, others)))
-            return same and bool(np.rint(turns).any()) and np.allclose(turns, np.rint(turns), 0, self.half)
-        return False
+        by_time = np.abs(np.subtract(self.later(h).step(method, t, y, h), told)) / np.maximum(allowed, _LEAST)
+        limit, period = "", 0.0
+        if not right:
+            with suppress(Misbehaviour, ArithmeticError):
+                limit, period = how_held(self, self.held, method, t, y, h, allowed)
+        wrong *= not right
+        apart *= not period
+        return Beside(seen, told, apart, wrong, right and not within, by_time.max(), limit, period)
 
     def near(self, wanted: Specification, about: str = "") -> StepFinding:
         """Compare steps of ordinary size with the method's; `about` is the system in words.
@@ -285,22 +302,28 @@ class GivenSteps(OwnSteps):
         found, bent, why = list[Beside](), 0.0, ""
         # Besides the states at which the system was seen, as many near them, so that none fits by chance.
         near = [tuple(x * (1 + cos(7 + 3 * k) / 4) for k, x in enumerate(y)) for y in self.states]
-        start, refused = wanted.domain.begins, list[str]()
-        for t, share, y in product(self.times, COMPARED, [*self.states, *([] if start else near)]):
+        start, refused, held = wanted.domain.begins, list[str](), list[Beside]()
+        for t, share, y in product(self.times, COMPARED, [*self.states, *([] if start or self.held.limits else near)]):
             h = min(share * self.unit, wanted.domain.largest_step)
             try:
-                found.append(one := self.beside(wanted, t, y, h))
-                if one.wrong:
-                    return StepFinding(False, one.wrong)
+                one = self.beside(wanted, t, y, h)
+                held.append(one)
+                if one.limit:
+                    continue
+                found.append(one)
+                if one.fails:
+                    return StepFinding(False, one.fails)
                 bent = max(bent, h * self.apart(y, self.rates(t, y), self.rates(t + h, one.told)))
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 refused.append(why)
+        if wrong := _of_no_period(held):
+            return StepFinding(False, wrong)
         if bent < SEEN_BENT:
             longest = wanted.domain.largest_step
             words = f"; write --largest-step {self.unit:g}, in Python domain=Domain({self.unit:g})"
             longer = words * (longest < self.unit and bent * self.unit >= SEEN_BENT * longest)
-            raise MethodError(why or f"in a step of it slopes hardly change{longer}")
+            raise MethodError(why or next(iter(_held(held)), "") or f"in a step of it slopes hardly change{longer}")
         splits = isinstance(of_one_state(wanted.method), Splitting)
         pushed = ""
         if isinstance(method := of_one_state(wanted.method), Splitting) and self.pushed:
@@ -309,8 +332,9 @@ class GivenSteps(OwnSteps):
         digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
         turns = ", with velocities between positions" * (splits and self.halves != super().halves)
         rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
-        told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}, {digits}{rough}"
-        return StepFinding(True, told + (self._within(start, refused) if start else ""))
+        told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}{self.held.words}, {digits}{rough}"
+        told += self._within(start, refused) if start else ""
+        return StepFinding(True, "; ".join([told, *_held(held)]))
 
     def _within(self, start: Start, refused: Sequence[str]) -> str:
         """The states of a start from which steps are compared, and what is not seen of these, in words."""
@@ -337,33 +361,37 @@ class GivenSteps(OwnSteps):
 
     def elsewhere(self, wanted: Specification) -> StepFinding:
         """Compare steps from small and large states, and long ones; None if none of them can be compared."""
-        states, steps, refused, turned = list[float](), list[float](), list[str](), False
+        states, steps, refused, held = list[float](), list[float](), list[str](), list[Beside]()
         for t, y, h in self._elsewhere(wanted):
             try:
                 one = self.beside(wanted, t, y, h)
-                turned |= (turns := one.wrong != "" and self._whole_turns(t + h, one))
             except Misbehaviour as error:
                 refused.append(str(error))
             except ArithmeticError:
                 pass
             else:
-                if one.wrong and not turns:
-                    return StepFinding(False, one.wrong)
+                if one.fails:
+                    return StepFinding(False, one.fails)
+                held.append(one)
+                if one.limit:
+                    continue
                 states.append(max(map(abs, y)))
                 steps.append(h)
+        if wrong := _of_no_period(held):
+            return StepFinding(False, wrong)
         told = [f"no answer to {counted(len(refused), 'step')} elsewhere: {refused[0]}"] if refused else []
-        told += ["angles come back without whole turns"] if turned else []
+        told += (kept := _held(held))
         if steps:
             reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
             told += [f"{counted(len(steps), 'step')} elsewhere agree, {reach}"]
         words = "; ".join(told) or f"{wanted.method.key} has no steps with half of their digits elsewhere"
-        return (Remarked if refused or turned else StepFinding)(steps != [] or None, words)
+        return (Remarked if refused or kept else StepFinding)(steps != [] or None, words)
 
     def back(self, wanted: Specification) -> StepFinding:
         """Compare steps with h < 0, as `steps_back` does of q'' = -q."""
         if not wanted.method.explicit:
             return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
-        h, found = -min(self.unit * COMPARED[0], wanted.domain.largest_step), 0
+        h, found, held = -min(self.unit * COMPARED[0], wanted.domain.largest_step), 0, list[Beside]()
         for t, y in product(self.times, self.states):
             try:
                 one = self.beside(wanted, t, y, h)
@@ -371,10 +399,12 @@ class GivenSteps(OwnSteps):
                 return StepFinding(None, f"h < 0 is refused: {error}")
             except ArithmeticError:
                 continue
-            if one.wrong:
-                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.wrong)
-            found += 1
-        return StepFinding(found > 0 or None, f"{found} steps with h < 0 agree")
+            if one.fails:
+                return Remarked(None, NOT_BACK) if one.end == [*y] else StepFinding(False, one.fails)
+            found += not one.limit
+            held.append(one)
+        told = "; ".join([*(kept := _held(held)), f"{found} steps with h < 0 agree"])
+        return (Remarked if kept else StepFinding)(found > 0 or None, told)
 
     def few(
         self, subject: ForeignStepper, wanted: Specification, nudges: Sequence[float] = NUDGES
@@ -387,8 +417,8 @@ class GivenSteps(OwnSteps):
                 one = steps.beside(wanted, t, [self.number(nudge * x) for x in y], h)
             except ArithmeticError:  # the method has no step there
                 break
-            if one.wrong:
-                return one.wrong, seen
+            if one.fails:
+                return one.fails, seen
             y = one.end
             seen.append(tuple(y))
             t += h * (self.times == TIMES)  # which the clock of a record returned shows
@@ -412,3 +442,15 @@ class GivenSteps(OwnSteps):
             read=lambda value, size: adapter.read(value, size + len(rest))[:size],
         )
         return replace(subject, adapter=first)
+
+
+def _of_no_period(steps: Sequence[Beside]) -> str:
+    """What is wrong with steps that end elsewhere by lengths which have no common one; "" if these are periods."""
+    lengths, wrong = [one.period for one in steps], next((one.wrong for one in steps if one.period), "")
+    return wrong * (common_length(lengths) < _COMMON * max(lengths, default=0.0))
+
+
+def _held(steps: Sequence[Beside]) -> list[str]:
+    """What steps show of a limit and of periods, in words."""
+    limit = next((one.limit for one in steps if one.limit), "")
+    return [*filter(None, [limit, without_periods([one.period for one in steps])])]

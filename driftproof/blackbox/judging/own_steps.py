@@ -13,6 +13,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.judging.held_states import UNHELD, how_held
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
 from driftproof.blackbox.judging.specification import Specification
@@ -196,8 +197,9 @@ class OwnSteps:
     def off(self, wanted: Specification) -> tuple[float, str]:
         """How far steps are off the method's, and the first that is too far off in words.
 
-        Positions and velocities are compared each with their own size. Steps without an answer, and those whose stages
-        do not settle, are left out. Raises MethodError if all are, or if slopes hardly change in the others.
+        Positions and velocities are compared each with their own size. Steps without an answer, those whose stages do
+        not settle, and those that end at a limit, or in a box, are left out. Raises MethodError if all are, or if
+        slopes hardly change in the others.
         """
         method, found, why, bent = of_one_state(wanted.method), list[float](), "", 0.0
         allowed = HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
@@ -209,13 +211,21 @@ class OwnSteps:
             except (Misbehaviour, ArithmeticError) as left_out:
                 why = str(left_out)
                 continue
-            found.append(self.apart(y, seen, told))
+            apart = self.apart(y, seen, told)
+            with suppress(Misbehaviour, ArithmeticError):
+                if not apart <= allowed and any(how_held(self, UNHELD, method, t, y, h, allowed)):
+                    continue
+            found.append(apart)
             bent = max(bent, h * self.apart(y, *slopes))
             if not found[-1] <= allowed:
                 return found[-1], f"a step of {h:g} from {ends_in_words(y, seen, method, told)}"
         if bent < SEEN_BENT:
             raise MethodError(why or "in a step of it slopes hardly change")
         return max(found), ""
+
+    def put(self, end: Sequence[float]) -> Sequence[float]:
+        """The end of a step, which nothing is known to hold elsewhere."""
+        return end
 
     def apart(self, y: Sequence[float], ends: Sequence[float], others: Sequence[float]) -> float:
         """The largest difference of two ends, each half of a state relative to its own size."""

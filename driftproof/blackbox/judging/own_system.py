@@ -104,6 +104,8 @@ def linear_fit_of_all(subject: ForeignStepper) -> LinearFit:
 def system_of(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     """The system that a stepper has built in; None if short steps show none of two numbers. Raises NoSlopes of more."""
     system = OwnSteps.of(*(found := seen_at(subject, domain)))
+    if system is None:  # of numbers that a code keeps above 0, it is seen there
+        system = OwnSteps.of(found[0], [tuple(map(abs, y)) for y in found[1]])
     if system is None and len(found[1][0]) > 2:
         raise NoSlopes(f"its system of {len(found[1][0])} numbers is built in, and short steps show no slopes of it")
     return system

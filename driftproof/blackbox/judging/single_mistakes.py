@@ -106,7 +106,7 @@ def mistakes_on(steps: OwnSteps, wanted: Specification) -> tuple[str, ...]:
                 if not method.explicit:
                     steps.step(method, t, y, h)  # where its stages settle
                 taken.append(StepSeen(steps.slopes, t, y, h, steps.end(t, y, h)))
-        alike = lambda y, end, made: steps.apart(y, end, made) <= steps.half
+        alike = lambda y, end, made: steps.apart(y, end, steps.put(made)) <= steps.half
         seen = _AllSeen(taken, alike)
         return _found(method, seen, steps.halves, steps.timed) if taken else ()
     return ()

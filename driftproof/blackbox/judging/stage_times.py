@@ -66,8 +66,8 @@ def _by_longer_steps(steps: GivenSteps, wanted: Specification) -> tuple[bool | N
             seen, shown = [float(x) for x in steps.end(t, y, h)], shown + 1
             if steps.apart(y, seen, told) > allowed:
                 with suppress(ArithmeticError):
-                    if (one := steps.beside(wanted, t, y, h)).wrong:
-                        return False, one.wrong
+                    if (one := steps.beside(wanted, t, y, h)).fails:
+                        return False, one.fails
                 return None, f"one of {h:g} at t = {t:g} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
     words = f", and to half of the digits in {shown} longer ones, which show its times"
     return (True, words) if shown else (None, "no longer one shows it")

@@ -190,7 +190,9 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         act = f"lambda made, h: (setattr(made, '{size}', h), {call})"
     elif "0.0" in taken:
         act = f"lambda made, h: {call}"
-    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
+    others = [each for each in _names_taken(made, advance) if plain_role(each) != STEP]
+    meant = f"  # {', '.join(others)} = 0.0, or what is meant" * bool(others)
+    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act}){meant}"
 
 
 def _is_driven(made: Any, advance: str, time: str, moved: Sequence[str]) -> bool:

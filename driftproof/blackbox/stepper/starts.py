@@ -34,6 +34,10 @@ AS_PARTS = "verify --system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python s
 _AROUND = 1 / 8
 # So many states are seen, and so many more in the corners of the ranges, a bit within: a step there may lead out.
 _STATES, _CORNERS, _WITHIN = 6, 3, 7 / 8
+# Bodies in space, or in a plane, are rows of an array.
+_ROWS = (3, 2)
+# Numbers of which all are shown, such as those of an attitude and its rates; of more a line is hard to read.
+_SHOWN = 7
 # The first step is so long or, as a table may end nearer, is halved so often.
 _LONGEST, _HALVINGS = 0.25, 60
 
@@ -75,8 +79,10 @@ class Start:
 
     @property
     def words(self) -> str:
-        """The ranges in words."""
-        return ", ".join(f"{low:.6g}:{high:.6g}" for low, high in self.ranges)
+        """The ranges in words, of many the first."""
+        shown = self.ranges if len(self.ranges) <= _SHOWN else self.ranges[:2]
+        more = f", ... in {len(self.ranges)} numbers" * (len(shown) < len(self.ranges))
+        return ", ".join(f"{low:.6g}:{high:.6g}" for low, high in shown) + more
 
     @property
     def states(self) -> list[tuple[float, ...]]:
@@ -96,23 +102,31 @@ class Start:
         self, step: Callable[..., Any], before: Callable[[str], None], after: Callable[[], None]
     ) -> ForeignStepper:
         """The step, as one of a state that is one array, after a first step. Raises BadInput if it has no answer."""
-        form = self._form(step, {})
-        order = (STATE, TIME, STEP) if form.timed else (STATE, STEP)
-        convention = CallingConvention(MAP, order)
-        subject, why = ForeignStepper(form, convention, ARRAYS, before=before, after=after), ""
-        for i in range(_HALVINGS):
-            first = partial(ForeignStepper.step_state, y=self.states[0], h=_LONGEST / 2**i)
-            try:
-                subject.begun = first, first(subject)
-            except Misbehaviour as error:
-                why = why or str(error)
-                continue
-            subject.format, subject.log = format_of_answers(subject.log), CallLog()
-            return subject
-        raise BadInput(f"{signature_text(step)} has no answer at the start: {why}")
+        why, shaped = "", False
+        for row in (0, *(n for n in _ROWS if all(part % n == 0 for part in self.parts))):
+            form = self._form(step, {}, row)
+            convention = CallingConvention(MAP, (STATE, TIME, STEP) if form.timed else (STATE, STEP))
+            subject = ForeignStepper(form, convention, ARRAYS, before=before, after=after)
+            for i in range(_HALVINGS):
+                first = partial(ForeignStepper.step_state, y=self.states[0], h=_LONGEST / 2**i)
+                try:
+                    subject.begun = first, first(subject)
+                except Misbehaviour as error:
+                    why, shaped = why or str(error), isinstance(error, WrongShape)
+                    continue
+                subject.format, subject.log = format_of_answers(subject.log), CallLog()
+                return subject
+            if shaped:  # its answer, and not what it is given, has another form
+                break
+        names = state_names_of(step)[0]
+        single = f"; if {', '.join(names)} are one number each, part them by semicolons" * (self.parts == (len(names),))
+        raise BadInput(f"{signature_text(step)} has no answer at the start: {why}{single}")
 
-    def _form(self, step: Callable[..., Any], others: Mapping[str, float]) -> Any:
-        """The step(y, h) or step(y, t, h) of one array; what it takes besides is 1, unless among the `others`."""
+    def _form(self, step: Callable[..., Any], others: Mapping[str, float], row: int) -> Any:
+        """The step(y, h) or step(y, t, h) of one array; what it takes besides is 1, unless among the `others`.
+
+        Its parts are given in rows of so many numbers, or as they are if it is 0.
+        """
         if hasattr(step, "of_all"):
             raise BadInput("a start has no effect on an object, which begins where it is made")
         names, size, times = state_names_of(step)
@@ -126,12 +140,17 @@ class Start:
             )
 
         def moved(y: Foreign, t: float, h: float) -> Foreign:
-            given = [np.array(y[i:j]) if n else float(y[i]) for n, (i, j) in zip(self.parts, self.cuts, strict=True)]
+            given: list[Any] = [
+                np.array(y[i:j]) if n else float(y[i]) for n, (i, j) in zip(self.parts, self.cuts, strict=True)
+            ]
+            given = [part.reshape(-1, row) if row and np.ndim(part) else part for part in given]
             answer = step(**dict(zip(known, given, strict=True)), **{size: h}, **dict.fromkeys(times, t), **beside)
             if answer is None and not all(self.parts):
                 raise NothingReturned("it returns None")
             end = given if answer is None else [*answer] if len(given) > 1 else [answer]
             found = [as_array(part).ravel() for part in end]
+            if sum(map(len, found)) == max(1, self.parts[0]) < len(y):  # the others are kept, and not returned
+                found = [np.concatenate(found), *(as_array(part).ravel() for part in given[1:])]
             if [len(part) for part in found] != [max(1, n) for n in self.parts]:
                 seen = ", ".join(str(len(part)) for part in found)
                 raise WrongShape(f"it returns parts of {seen} numbers, which are not those of the start")
@@ -139,7 +158,9 @@ class Start:
 
         form: Any = moved if times else lambda y, h: moved(y, 0.0, h)
         form.step, form.others, form.timed = step, beside, bool(times)
-        form.of_others = lambda others: self._form(step, others)
+        later = zip(known[1:], self.parts[1:], self.cuts[1:], strict=True)
+        form.later = {name: slice(*cut) if n else cut[0] for name, n, cut in later}
+        form.of_others = lambda others: self._form(step, others, row)
         form.reading = reading_of({"the state": known, "the time": times, "the step size": [size]}, step)
         return form
 

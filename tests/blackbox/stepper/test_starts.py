@@ -127,41 +127,6 @@ def test_a_start_has_no_effect_on_other_steps(step, options, said):
         judged(*RIGHT["orbit"], largest_state=5.0)
 
 
-def test_a_limit_of_a_step_is_no_other_system():
-    rate = lambda c: np.array([-2 * c[0] * c[1], 0.1 - c[0] * c[1]])
-    clipped = lambda x, dt: np.maximum(x + dt / 2 * (rate(x) + rate(x + dt * rate(x))), 0.0)
-    found = verify(clipped, "heun2", system=rate, isolate=False)
-    assert found.passed is None
-    assert "some states jump, or end at a limit, however short the step" in found.verdict
-    assert "the states that it is for: --start" in found.text()
-    near = Domain(largest_step=0.5, start="0.5:1, 0.5:1")
-    assert verify(clipped, "heun2", system=rate, domain=near, isolate=False).passed
-    reset = lambda x, v, dt: (x + dt * v, 0.0)
-    assert verify(reset, "symplectic_euler", system=lambda y: [y[1], -y[0]], isolate=False).passed is False
-
-
-def test_a_box_and_a_length_of_1_are_no_other_systems_and_what_is_wrong_from_all_states_is():
-    def turning(q, w):
-        return np.array([-w @ q[1:], *(w * q[0] + np.cross(q[1:], w))]) / 2, np.cross(np.array([4.0, 5.0, 7.0]) * w, w)
-
-    def step(q, w, dt, by=1.0):
-        half = [x + by * dt / 2 * k for x, k in zip((q, w), turning(q, w), strict=True)]
-        q, w = (x + by * dt * k for x, k in zip((q, w), turning(*half), strict=True))
-        return q / np.linalg.norm(q), w
-
-    rate, start = lambda y: np.concatenate(turning(y[:4], y[4:])), Domain(start="1,0,0,0; 0.1,0.2,0.3")
-    for by, passed in ((1.0, None), (0.5, None)):  # so that both are to be verified before it
-        found = verify(
-            lambda q, w, dt, by=by: step(q, w, dt, by), "midpoint2", system=rate, domain=start, isolate=False
-        )
-        assert found.passed is passed, by
-        assert "some states jump, or end at a limit, however short the step" in found.verdict
-    boxed = lambda y, dt: np.array([(y[0] + dt * (y[1] - dt / 2 * y[0])) % 8.0, y[1] - dt * y[0]])
-    assert verify(boxed, "midpoint2", system=lambda y: [y[1], -y[0]], isolate=False).passed is None
-    other = lambda y, dt: np.array([y[0] + dt * y[1] + 1.0, y[1] - dt * y[0]])
-    assert verify(other, "midpoint2", system=lambda y: [y[1], -y[0]], isolate=False).passed is False
-
-
 def test_a_step_that_rests_at_0_is_not_said_never_to_move():
     reacted = lambda conc, dt: np.maximum(conc + dt * conc[0] * conc[1] * np.array([-2.0, -1.0, 2.0]), 0.0)
     assert verify(reacted, "forward_euler", isolate=False).passed is None
