@@ -278,10 +278,11 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
     return names
 
 
-def stand_in(made: Any, step: Callable[..., Any], names: Sequence[str]) -> None:
-    """Give something callable these parameters, and the name of the step that it stands for."""
+def stand_in(made: Any, step: Callable[..., Any], taken: Iterable[str | inspect.Parameter]) -> None:
+    """Give something callable these parameters, or such names, and the name of the step that it stands for."""
     kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-    made.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])
+    parameters = (inspect.Parameter(each, kind) if isinstance(each, str) else each for each in taken)
+    made.__signature__ = inspect.Signature([*parameters])
     made.__qualname__, made.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
 
 

@@ -77,8 +77,8 @@ def run_of_class(cls: type) -> Callable[..., Any] | None:
 
     named = {x.name: x.replace(kind=x.POSITIONAL_OR_KEYWORD) for x in chain(*calls.values())}
     made_run: Any = solve
-    calling.stand_in(made_run, cls, ())
-    made_run.__signature__ = inspect.Signature(sorted(named.values(), key=lambda x: x.default is not x.empty))
+    taken = sorted(named.values(), key=lambda x: x.default is not x.empty)
+    calling.stand_in(made_run, cls, taken)
     made_run.written = written
     return solve
 

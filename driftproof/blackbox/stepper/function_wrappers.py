@@ -9,7 +9,7 @@ from copy import copy
 from functools import reduce
 from itertools import product
 from operator import getitem
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,39 +89,74 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     It is "" unless the run is seen to begin at the start, or to stay there where nothing moves. If a run of several
     steps is not one step after the other, the wrapper takes their number: a multistep method has other steps at first.
     """
-    kind = common.kind_by_names(names)
-    given = _arguments_of_a_run(names, kind)
-    texts = {*given.values()}
-    if len(given) < len(names):
+    run = _Run(step, names, _arguments_of_a_run(names, kind := common.kind_by_names(names)), kind)
+    if len(run.given) < len(names):
         return ""
-    # Some cannot end before their start does.
-    counts = (1, _RUN) if kind == FIELD and "1" in texts else (1,)
-    whole = {"1": "n", "t + h": "t + n * h", "h": "n * h", "[t, t + h]": "[t, t + n * h]"}
-    if rows := {"[t, t + h]"} == {"[t, t + h]", "1"} & texts:
-        whole["[t, t + h]"] = "[t + i * h for i in range(n + 1)]"
-    states = ("q", "v") if {"q", "v"} <= texts else ("y",) if kind == FIELD else ("[q, v]",)
-    for many, count in product((False, True), counts):
+    for many, count in product((False, True), run.counts):
         with suppress(Exception):
-            values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
-            values["1"], asked = count, list[Any]()
-            values["f"] = lambda *x, seen=asked: seen.append(x) or 0.0 * max(x, key=np.size)
-            found, of_all = step(*[copy(values[given[each]]) for each in names]), "{}"
-            if inspect.isgenerator(found):
-                found, of_all = [*found][-1], "[*{}][-1]"
-            places = [_end_of(found, values[each]) for each in states]
-            if -1 not in places[0] and {"[0.0, h]", "[t, t + h]"} & texts:
-                return ""  # what is not known to be a row of times need not be one
-            shift = texts.isdisjoint(("t", "t + h", "[t, t + h]"))
-            written = {x: _shifted(text, asked[0]) if shift and text == "f" else text for x, text in given.items()}
-            run = of_all.format(call_by_names(step, names, written))
-            first, *last = ("".join(f"[{i!r}]" for i in place) for place in places)
-            if last:
-                return defined(kind, f"run = {run}", f"return run{first}, run{last[0]}")
-            if (rows or counts[1:]) and (count > 1 or _remembers(step, names, given, places[0])):
-                run = call_by_names(step, names, {each: whole.get(text, text) for each, text in written.items()})
-                return defined(kind, f"return {run}{first.removesuffix('[-1]')}", run=True)
-            return defined(kind, f"return {run}{first}")
+            return run.tried(many, count)
     return ""
+
+
+class _Run(NamedTuple):
+    """A run with what it is given for each name, in which it makes one step."""
+
+    step: Callable[..., Any]
+    names: Sequence[str]
+    given: Mapping[str, str]
+    kind: str
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """The numbers of steps to try; some runs cannot end before their start does."""
+        return (1, _RUN) if self.kind == FIELD and "1" in self.given.values() else (1,)
+
+    def of(self, values: Mapping[str, Any]) -> Any:
+        """What the run returns where the arguments of its wrapper have these values."""
+        return self.step(*[values[self.given[each]] for each in self.names])
+
+    def tried(self, many: bool, count: int) -> str:
+        """The wrapper as a run of so many steps shows it, maybe of arrays. Raises ValueError if no state is seen."""
+        values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
+        values["1"], asked = count, list[Any]()
+        values["f"] = lambda *x: asked.append(x) or 0.0 * max(x, key=np.size)  # type: ignore[func-returns-value]
+        found, of_all, texts = self.of({key: copy(x) for key, x in values.items()}), "{}", {*self.given.values()}
+        if inspect.isgenerator(found):
+            found, of_all = [*found][-1], "[*{}][-1]"
+        states = ("q", "v") if {"q", "v"} <= texts else ("y",) if self.kind == FIELD else ("[q, v]",)
+        places = [_end_of(found, values[each]) for each in states]
+        if -1 not in places[0] and {"[0.0, h]", "[t, t + h]"} & texts:
+            return ""  # what is not known to be a row of times need not be one
+        shift = texts.isdisjoint(("t", "t + h", "[t, t + h]"))
+        written = {x: _shifted(text, asked[0]) if shift and text == "f" else text for x, text in self.given.items()}
+        run = of_all.format(call_by_names(self.step, self.names, written))
+        first, *last = ("".join(f"[{i!r}]" for i in place) for place in places)
+        if last:
+            return defined(self.kind, f"run = {run}", f"return run{first}, run{last[0]}")
+        rows = {"[t, t + h]"} == {"[t, t + h]", "1"} & texts
+        if (rows or self.counts[1:]) and (count > 1 or self.remembers(places[0])):
+            times = "[t + i * h for i in range(n + 1)]" if rows else "[t, t + n * h]"
+            whole = {"1": "n", "t + h": "t + n * h", "h": "n * h", "[t, t + h]": times}
+            run = call_by_names(self.step, self.names, {each: whole.get(text, text) for each, text in written.items()})
+            return defined(self.kind, f"return {run}{first.removesuffix('[-1]')}", run=True)
+        return defined(self.kind, f"return {run}{first}")
+
+    def remembers(self, where: Sequence[int]) -> bool:
+        """True if a run of some steps ends elsewhere than as many of one step, with slopes that depend on its time."""
+        timed = not {"t", "[t, t + h]"}.isdisjoint(self.given.values())  # any other run begins at a time of its own
+
+        def rate(*x: Any) -> Any:
+            return timed * sum(each for each in x if np.size(each) == 1) - max(x, key=np.size)
+
+        def end(t: float, y: Any, n: int) -> Any:
+            known = {**TRIAL_ARGUMENTS, "f": rate, "t": t, "y": y, "1": n, "t + h": t + n / 4}
+            span = [0, n] if "1" in self.given.values() else range(n + 1)
+            known |= {"h": n / 4, "[t, t + h]": np.array([t + i / 4 for i in span])}
+            return np.asarray(reduce(getitem, where, self.of(known)), float)
+
+        start = TRIAL_ARGUMENTS["y"]
+        by_one: Any = reduce(lambda y, i: end(i / 4, y, 1), range(_RUN), start)
+        return not np.allclose(by_one, end(0.0, start, _RUN), rtol=_SAME, atol=0)
 
 
 def _arguments_of_a_run(names: Sequence[str], kind: str) -> dict[str, str]:
@@ -181,21 +216,3 @@ def _end_of(answer: Any, start: Any) -> list[Any]:
             if np.array_equal(found, start):
                 return [*place]
     raise ValueError("no state is seen")
-
-
-def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], where: Sequence[int]) -> bool:
-    """True if a run of some steps ends elsewhere than as many runs of one step, with slopes that depend on its time."""
-    timed = not {"t", "[t, t + h]"}.isdisjoint(given.values())  # any other run begins at a time of its own
-
-    def rate(*x: Any) -> Any:
-        return timed * sum(each for each in x if np.size(each) == 1) - max(x, key=np.size)
-
-    def end(t: float, y: Any, n: int) -> Any:
-        known = {**TRIAL_ARGUMENTS, "f": rate, "t": t, "y": y, "1": n, "t + h": t + n / 4}
-        span = [0, n] if "1" in given.values() else range(n + 1)
-        known |= {"h": n / 4, "[t, t + h]": np.array([t + i / 4 for i in span])}
-        return np.asarray(reduce(getitem, where, step(*[known[given[each]] for each in names])), float)
-
-    start = TRIAL_ARGUMENTS["y"]
-    by_one: Any = reduce(lambda y, i: end(i / 4, y, 1), range(_RUN), start)
-    return not np.allclose(by_one, end(0.0, start, _RUN), rtol=_SAME, atol=0)
