@@ -13,8 +13,8 @@ import numpy as np
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
-from driftproof.blackbox.stepper.class_runs import run_of_class
 from driftproof.blackbox.stepper.foreign_code import guarded_call
+from driftproof.blackbox.stepper.function_wrappers import run_of_class
 from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian

@@ -16,7 +16,7 @@ from driftproof.blackbox.stepper import made_wrappers as objects
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
-from driftproof.blackbox.stepper.class_runs import class_run_wrapper
+from driftproof.blackbox.stepper.function_wrappers import class_run_wrapper
 from driftproof.blackbox.stepper.made_wrappers import ADVANCES, Made, attribute_of, attributes_of, function_argument
 from driftproof.blackbox.stepper.wrapper_parts import name_of, plain_role
 
@@ -63,7 +63,7 @@ def _only_step(cls: type) -> str:
 
 
 def _roles(cls: type, method: str) -> set[str | None]:
-    return {plain_role(name) for name in calling.names_with_step(getattr(cls, method)) or ()}
+    return {*map(plain_role, objects.names_taken(cls, method))}
 
 
 def _own_step(cls: type) -> str:
@@ -126,7 +126,7 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
     right-hand side. It goes straight on where no force acts, or where y' = 1/2.
     """
     with suppress(Exception):
-        names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
+        names, function, taken = required_names(cls) or [], function_argument(cls), objects.names_taken(cls, advance)
         begun = cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names])
         before = next(each for each in vars(begun) if common.is_before(each))
         now = next(each for each in vars(begun) if role_of(each, (calling.POSITION, calling.STATE)))
@@ -236,7 +236,7 @@ def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -
     puts = {attribute_of(made, STEP): "h"} if "h" not in call.values() else {}
     puts |= {attribute_of(made, TIME): "t"}
     found = Made(calling.STATE, cls, start, call, f".{advance}", puts={each: x for each, x in puts.items() if each})
-    places = ", ".join(f"made.{each}" for each in moved)
+    places = objects.places_of(moved)
     if np.ndim(getattr(made, moved[0])):
         return common.defined(found.kind, found.begin, f"{places} = 1.0 * y", found.once, f"return {places}")
     begin, end = f"import numpy; {found.begin}; [{places}] = 1.0 * y", f"return numpy.array([{places}])"
@@ -267,14 +267,10 @@ def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[lis
     return [], named
 
 
-def _names_taken(made: Any, advance: str) -> list[str]:
-    """The names of what a method is given besides its object, with a step size that has a default."""
-    return (calling.names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
-
-
 def _taken_by(made: Any, advance: str, size: Any, other: Any) -> dict[str, Any]:
     """What a method is given by name besides its object: a step size, and `other` things."""
-    return {each: size if plain_role(each) == STEP else other for each in _names_taken(made, advance)}
+    cls = made if inspect.isclass(made) else type(made)
+    return {each: size if plain_role(each) == STEP else other for each in objects.names_taken(cls, advance)}
 
 
 def further_names(cls: type, advance: str) -> list[str]:

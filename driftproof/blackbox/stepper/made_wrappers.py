@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dis import get_instructions
@@ -61,12 +61,12 @@ class Made(NamedTuple):
     @property
     def begin(self) -> str:
         """The statements that make it, and put what is put into its attributes."""
-        return f"made = {self._making}" + f"; {self._putting}" * bool(self.puts)
+        return "; ".join(filter(None, [f"made = {self._making}", self._putting]))
 
     @property
     def once(self) -> str:
         """The call that makes a step."""
-        return f"made{self._asking}"
+        return f"made{self.method}({', '.join(self.call.values())})"
 
     @property
     def _making(self) -> str:
@@ -74,25 +74,17 @@ class Made(NamedTuple):
 
     @property
     def _putting(self) -> str:
-        return f"{', '.join(f'made.{each}' for each in self.puts)} = {', '.join(self.puts.values())}" * bool(self.puts)
-
-    @property
-    def _asking(self) -> str:
-        return f"{self.method}({', '.join(self.call.values())})"
-
-    @property
-    def _left(self) -> str:
-        return ", ".join(f"made.{each}" for each in self.kept)
+        return f"{places_of(self.puts)} = {', '.join(self.puts.values())}" if self.puts else ""
 
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         if self._remembers():
             return self._of_run()
         if self.kept:
-            return defined(self.kind, self.begin, self.once, f"return {self._left}")
+            return defined(self.kind, self.begin, self.once, f"return {places_of(self.kept)}")
         if self.puts:
             return defined(self.kind, self.begin, f"return {self.once}")
-        return defined(self.kind, f"return {self._making}{self._asking}")
+        return defined(self.kind, f"return {self._making}{self.once.removeprefix('made')}")
 
     def _of_run(self) -> str:
         """The wrapper of n steps of one object."""
@@ -101,7 +93,7 @@ class Made(NamedTuple):
         begun, of_field = self, self.kind == FIELD
         if self.kept:
             # What is kept may be changed in place, and so may be what it is given.
-            copied = f"[*{self._left}]" if of_field else f"({', '.join(f'1.0 * made.{each}' for each in self.kept)})"
+            copied = f"[*{places_of(self.kept)}]" if of_field else f"({places_of(self.kept, '1.0 * ')})"
             later = f"({self.once}, {copied})[1]"
             copies = {} if of_field else {"q": "1.0 * q", "v": "1.0 * v"}
             begun = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})
@@ -126,8 +118,9 @@ class Made(NamedTuple):
 
     def stepped(self, names: dict[str, Any], state: Sequence[Any] = (), t: float = 0.0) -> tuple[Any, ...]:
         """The state that is left or returned after a step of what was made."""
-        end = f"{self._putting}; found = {self.once}" + f"; found = {self._left}" * bool(self.kept)
-        found = self._done(names, state or _START[self.kind], t, end.removeprefix("; "))["found"]
+        left = f"found = {places_of(self.kept)}" if self.kept else ""
+        made = "; ".join(filter(None, [self._putting, f"found = {self.once}", left]))
+        found = self._done(names, state or _START[self.kind], t, made)["found"]
         return tuple(map(copy, [found] if self.kind == FIELD else found))
 
     def moves_by(self) -> bool:
@@ -172,6 +165,11 @@ class Made(NamedTuple):
         return self
 
 
+def places_of(attributes: Iterable[str], by: str = "") -> str:
+    """The attributes of what is made as a text, each after `by`."""
+    return ", ".join(f"{by}made.{each}" for each in attributes)
+
+
 def function_argument(cls: type) -> str:
     """The argument of a class by which its objects are given the function that they call; "" if there is none."""
     return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
@@ -207,6 +205,11 @@ def attributes_of(made: Any) -> dict[str, Any]:
 def public_methods(cls: type) -> list[str]:
     """The names of a class's methods that are for others."""
     return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
+
+
+def names_taken(cls: type, method: str) -> list[str]:
+    """The names of what a method of a class is given besides its object, with a step size that has a default."""
+    return (calling.names_with_step(getattr(cls, method, int)) or [])[1:]
 
 
 def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
@@ -248,7 +251,7 @@ def class_wrapper(cls: type, own: str) -> str:
 
 def _by_names(cls: type, own: str) -> Made | None:
     """A class with its method as the names of all arguments tell; None if they do not, or none is a function."""
-    names, taken = required_names(cls) or [], (calling.names_with_step(getattr(cls, own)) or [""])[1:]
+    names, taken = required_names(cls) or [], names_taken(cls, own)
     with_size = calling.names_with_step(cls) or []  # where a class is made with a step size that has a default
     if STEP not in map(plain_role, taken) and [*(calling.parameters_of(cls) or ())][: len(with_size)] == with_size:
         names = with_size
@@ -286,14 +289,14 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
 def _put(cls: type, made: Any, advance: str) -> Iterator[Made]:
     """Yield the object with its state put into it, and what may be its force or its right-hand side."""
     kept = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    method, makes = getattr(cls, advance, None), required_names(cls) or []
+    makes = required_names(cls) or []
     roles = (calling.POSITION, calling.VELOCITY, calling.STATE, STEP, TIME)
     q, v, state, size, time = (attribute_of(made, role).partition(".")[0] for role in roles)
-    if not inspect.isfunction(method) or function_argument(cls) or not (state or (q and v)):
+    if not inspect.isfunction(getattr(cls, advance, None)) or function_argument(cls) or not (state or (q and v)):
         return
     vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
     kind, held = FORCE if q and v else FIELD, _held_in(vector)
-    taken = (calling.names_with_step(method) or [""])[1:]
+    taken = names_taken(cls, advance)
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}
     replaced = {
