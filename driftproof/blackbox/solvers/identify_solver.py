@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, w
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
-from driftproof.blackbox.solvers.runs import read_runs
+from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps, unlike
 from driftproof.blackbox.solvers.tolerance_runs import RunLines
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FurtherMethod
@@ -102,7 +102,7 @@ class _Answers:
         """The report on a solver of this name that is held to no method."""
         said = "; ".join([self.named, *self.faults]) + "".join(map(_REMARK.format, self.remarks))
         steps, controller, runs = self.steps, self.controller, self.runs
-        measured = {} if runs.failed else runs.result.seen
+        measured = self.measured.seen
         what_to_do = _WHAT_TO_DO.get(steps.kind or "") if runs.failed or steps.kind == NotReadable.kind else None
         return Report(
             name,
@@ -132,7 +132,7 @@ class _Answers:
             steps.result.named if not steps.failed else None if steps.kind in NO_EVIDENCE or not runs.failed else False,
         )
 
-    @cached_property
+    @property
     def own_faults(self) -> list[str]:
         """The faults of the solver, those of the step size control first, which may be the cause of steps that differ.
 
@@ -140,8 +140,8 @@ class _Answers:
         method's steps.
         """
         dense = None if self.steps.failed else self.steps.result.dense
-        found = [dense, *(outcome.result for outcome in (self.controller, self.steps, self.runs))]
-        faults = [fault for each in found if each is not None for fault in each.faults if fault not in self._beside]
+        found = filter(None, [dense, self.controller.result, self.steps.result, self.runs.result])
+        faults = [fault for each in found for fault in each.faults if fault not in self.measured.beside]
         endless = self.controller.kind == DoesNotEnd.kind
         return faults + [f"step size control: does not end: {self.controller.seen}"] * endless
 
@@ -158,22 +158,19 @@ class _Answers:
         rows = [*control.result.remarks] if control.result else []
         if control.kind == NotReadable.kind and self.steps.result and self.steps.result.adaptive:
             rows = [f"step size control not seen: {control.seen}"]
-        return [*rows, *self._beside, *(() if self.runs.failed else self.runs.result.remarks)]
+        return [*rows, *self.measured.beside, *self.measured.remarks]
 
     @property
-    def _beside(self) -> list[str]:
-        return [line for each in self._run_lines.values() for line in each.beside]
-
-    @property
-    def _run_lines(self) -> dict[str, RunLines]:
-        return {} if self.runs.failed else self.runs.result.answers
+    def measured(self) -> RunsReading:
+        """What the runs with known solutions show: nothing if they failed."""
+        return self.runs.result or RunsReading({})
 
     @property
     def order(self) -> int | None:
         """The order of the tableau or the recurrence; of a step of another length than its times, that observed."""
         steps = self.steps.result
         order: int | None = steps.order if isinstance(steps, SolverMemory) else steps.order.order
-        observed = self._run_lines.get("Tolerance", RunLines()).orders if order == 0 else ()
+        observed = self.measured.answers.get("Tolerance", RunLines()).orders if order == 0 else ()
         return min(map(round, observed), default=order)
 
     @property
@@ -183,7 +180,7 @@ class _Answers:
             word = UNDECIDED if self.steps.kind in NO_EVIDENCE else NO_ANSWER
             return f"{word}: {self.steps.seen}"
         found: SolverSteps | SolverMemory | None = self.steps.result
-        implicit = self._run_lines.get("Stiffness", RunLines()).implicit  # whose steps have no explicit tableau
+        implicit = self.measured.answers.get("Stiffness", RunLines()).implicit  # whose steps have no explicit tableau
         implicit = implicit and f"; {implicit}"
         if found is None:
             name = f"its steps are not read: {self.steps.seen}{implicit}"

@@ -125,11 +125,13 @@ class Made(NamedTuple):
 
     def moves_by(self) -> bool:
         """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
-        pushes = (lambda *x: 0.0 * max(x, key=np.size)), (lambda *x: 0.0 * max(x, key=np.size) + 1.0)
-        still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
-        first = np.ravel(_START[self.kind])
-        right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
-        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
+        with suppress(Exception):
+            pushes = (lambda *x: 0.0 * max(x, key=np.size)), (lambda *x: 0.0 * max(x, key=np.size) + 1.0)
+            still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
+            first = np.ravel(_START[self.kind])
+            right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
+            return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
+        return False
 
     def _remembers(self) -> bool:
         """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
@@ -263,12 +265,11 @@ def _by_names(cls: type, own: str) -> Made | None:
         call = {each: call.get(each, "None") for each in taken}
     if kind == FORCE and {*call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
         call = {each: "[q, v]" if text == "q" else text for each, text in call.items()}
-    made = Made(kind, cls, given, call, f".{own}" * (own != "__call__"))
-    if (
-        len(given) < len(names)
-        or len(call) < len(taken)
-        or made.given.isdisjoint((common.function_of(kind), _OF_STATE))
-    ):
+    made, functions = (
+        Made(kind, cls, given, call, f".{own}" * (own != "__call__")),
+        {common.function_of(kind), _OF_STATE},
+    )
+    if len(given) < len(names) or len(call) < len(taken) or not functions & made.given:
         return None
     return made._replace(arguments={**given, **unit_masses(cls)}) if kind == FORCE else made
 
@@ -279,11 +280,7 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     What is given replaces a method that is its force or its right-hand side, or an attribute that holds its force. It
     is "" unless the object is seen to move by what is given, and by nothing else.
     """
-    for found in _put(cls, made, advance):
-        with suppress(Exception):
-            if found.moves_by():
-                return found.line()
-    return ""
+    return next((each.line() for each in _put(cls, made, advance) if each.moves_by()), "")
 
 
 def _put(cls: type, made: Any, advance: str) -> Iterator[Made]:
@@ -295,15 +292,11 @@ def _put(cls: type, made: Any, advance: str) -> Iterator[Made]:
     if not inspect.isfunction(getattr(cls, advance, None)) or function_argument(cls) or not (state or (q and v)):
         return
     vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
-    kind, held = FORCE if q and v else FIELD, _held_in(vector)
-    taken = names_taken(cls, advance)
+    kind, parts = FORCE if q and v else FIELD, ("q", "v", "force(q)") if vector else ()
+    held: Callable[[str], str] = lambda text: f"{vector}({text}, 0.0)" if text in parts else text
+    taken, replaced = names_taken(cls, advance), _functions_of(cls)
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}
-    replaced = {
-        each: (required_names(getattr(cls, each)) or [])[1:]
-        for each in public_methods(cls)
-        if role_of(each, (FUNCTION,)) and not _changes_its_object(getattr(cls, each))
-    }
     pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
     # An input is None, if it is only handed on; the object has its state.
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
@@ -317,16 +310,14 @@ def _put(cls: type, made: Any, advance: str) -> Iterator[Made]:
         yield Made(kind, cls, start, call, f".{advance}", places, puts)
 
 
-def _held_in(vector: str) -> Callable[[str], str]:
-    """What makes of a number the first of a vector of this class, or leaves it as it is without one."""
-    parts = ("q", "v", "force(q)") if vector else ()
-    return lambda text: f"{vector}({text}, 0.0)" if text in parts else text
+def _functions_of(cls: type) -> dict[str, list[str]]:
+    """The methods of a class that are called as a function is, with the names that each takes.
 
-
-def _changes_its_object(method: Any) -> bool:
-    """True if a method sets attributes, as of an integral that it advances, so that it is a part of the step."""
-    code = getattr(method, "__code__", None)
-    return code is not None and any(each.opname == "STORE_ATTR" for each in get_instructions(code))
+    One that sets attributes, as of an integral that it advances, is a part of the step.
+    """
+    found = [each for each in public_methods(cls) if role_of(each, (FUNCTION,))]
+    found = [each for each in found if all(x.opname != "STORE_ATTR" for x in get_instructions(getattr(cls, each)))]
+    return {each: (required_names(getattr(cls, each)) or [])[1:] for each in found}
 
 
 def _replacing(names: Sequence[str], kind: str, q: str, handed_on: bool) -> str:
