@@ -173,7 +173,15 @@ class RecurrenceReading:
     @property
     def named(self) -> bool:
         """True if the name is that of a method, exactly or nearly."""
-        return bool(self._key or self.untimed or self.near)
+        return bool(self._key or self.untimed or self.near or self.theta)
+
+    @property
+    def theta(self) -> Fraction | None:
+        """The θ, not 0, of y₁ = y₀ + h ((1 - θ) F₀ + θ F₁), F taken at the states returned; None of another one."""
+        own = None if self.asked or self.recurrence.steps > 1 else self.recurrence.exact
+        if own is None or own.derivative > 1 or own.rho[0] != -1 or sum(own.sigma) != 1:
+            return None
+        return own.sigma[1] or None
 
     @property
     def _key(self) -> str | None:
@@ -193,6 +201,8 @@ class RecurrenceReading:
             return f"{self.untimed.key} called at wrong times: it is that method only where F does not depend on t"
         if self.near:
             return f"a multistep method of {k} steps, {self.near[0][0]} except for {'; '.join(self.near[0][1])}"
+        if self.theta is not None:
+            return f"the theta method, theta = {self.theta}"
         if k == 1:
             return "not a multistep method: each step depends on the previous state only"
         return f"a multistep method of {k} steps that is not in the catalogue"

@@ -97,9 +97,10 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to determine a law")
     estimates = list(_estimates(steps.pairs or [pair for pair in steps.other_pairs if not _is_silent(pair)]))
-    points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
-    laws = filter(None, (fitted_law(each.name, list(points(each))) for each in estimates))
-    law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
+    law, rtol = _law(estimates, run, attempts, atol, slope), RTOL
+    if law is None and (of_rtol := _of_rtol_alone(subject, run, atol, slope)):
+        attempts, rtol = list(attempts_of(of_rtol, steps)), atol
+        law = _law(estimates, of_rtol, attempts, atol, slope)
     if law is None:
         return _without_law(subject, steps, attempts, traces, held)
     if traces:  # with slopes of other times, errors differ as well
@@ -108,10 +109,28 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
     of_what = f"r is the estimate of {law.estimate} over the tolerance"
     lines = (f"measured: {law.words}", of_what, *after, _counted(attempts))
     used = next(each for each in estimates if each.name == law.estimate)
-    others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, atol, slope))
+    others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, rtol, atol, slope))
     wrong, another = _another_exponent(law, used.order)
     remarks = tuple(filter(None, (another, _other_row(used.pair.key, steps))))
     return ControllerReading(law, lines, (*filter(None, [wrong]), *(traces or others)), remarks)
+
+
+def _law(
+    estimates: Sequence[_Estimate], run: Solution, attempts: Sequence[Attempt], atol: float, slope: Slope
+) -> Law | None:
+    """The law of the step sizes in one of these estimates, the simplest if there are several; None if there is none."""
+    points = partial(_points, lambda t, y: [slope(t)], run, attempts, atol)
+    laws = filter(None, (fitted_law(each.name, list(points(each))) for each in estimates))
+    return min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
+
+
+def _of_rtol_alone(subject: ForeignSolver, run: Solution, atol: float, slope: Slope) -> Solution | None:
+    """The run with rtol as large as atol, if its steps are the same whatever atol is: rtol may be absolute."""
+    solved = partial(subject.solve, lambda n, t, y: [slope(t)], _SPAN, (0.0,))
+    with suppress(Misbehaviour, TooSlow):
+        if solved(RTOL, 2 * atol).t == run.t:
+            return solved(atol, atol)
+    return None
 
 
 def _of_one_factor(factor: float, adaptive: bool, traces: tuple[str, ...]) -> ControllerReading:
@@ -174,11 +193,11 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
 
 
 def _elsewhere(
-    subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float, slope: Slope
+    subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, rtol: float, atol: float, slope: Slope
 ) -> Iterator[str]:
     """Say that most step sizes do not follow the law where slopes depend on y, as if a stage had another state."""
     rate: StageRate = lambda t, y: [slope(t) * (1 + y[0] * y[0])]
-    run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), RTOL, atol)
+    run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), rtol, atol)
     points = list(_points(rate, run, list(attempts_of(run, steps)), atol, estimate))
     words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
     if (factors := [p.factor for p in points]) and exceptions(points, law, min(factors), max(factors)) is None:

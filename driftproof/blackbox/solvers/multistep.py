@@ -62,7 +62,8 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
     stepper = runs.stepper()
     for one_step in (BACKWARD_EULER, TRAPEZOID):
         reading = read_multistep(stepper, one_step)
-        if reading.recurrence.method is not None or reading.recurrence.recurrence.steps > 1:
+        found = reading.recurrence
+        if found.method is not None or found.recurrence.steps > 1 or found.theta:
             break
     else:
         raise NotReadable(reading.recurrence.name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -18,7 +18,14 @@ from driftproof.blackbox.matching.match import Identity, match_method, match_tab
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
-from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, shown_apart, varied
+from driftproof.blackbox.probes.scripted_answers import (
+    MOST_CALLS,
+    CoefficientRow,
+    NotReadable,
+    Rounding,
+    shown_apart,
+    varied,
+)
 from driftproof.blackbox.probes.stage_solutions import advanced
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
@@ -264,7 +271,9 @@ class _Marked:
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
         # The slope at the start may be needed before the extra stages of the previous step's dense output.
         within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
-        self.near = [n for n in within if n > since or calls[n].t == self.start]
+        own = [n for n in within if n > since or calls[n].t == self.start]
+        # A stage at a wrong time may lie beyond the end, and is followed by a call of this step or at its end.
+        self.near = [n for n in range(own[0], own[-1] + 1) if n in own or calls[n].t > self.end] if own else []
         earlier = self.silent.t[self.place - 1]  # in the first step t[-1]: the range is empty
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
@@ -285,7 +294,9 @@ class _Marked:
     def reading(self) -> TableauReading:
         """The tableau of the calls that move the end of the step and not its start, directly or through others."""
         self.runs = runs = {n: self._run({n: 1.0}) for n in self.near}
-        self._require_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
+        before = {n: self._run({n: 1.0}) for n in self.earlier}
+        self._require_no_memory([*before.values(), *runs.values()])
+        self._require_slopes_at_the_start(before)
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
             n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m < n and runs[m].calls[n].y[0]} for n in weights
@@ -332,11 +343,24 @@ class _Marked:
 
     def _require_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raise NotReadable if an answer that moves the start of the step moves its end by another amount."""
+        rounding = Rounding(self.format, len(self.near))
         for run in runs:
             before, after = run.y[self.place][0], run.y[self.place + 1][0]
-            if before and after != before:
+            if before and not abs(after - before) <= rounding.of(abs(before)):
                 share = f"a slope that enters one step enters the next as well, by {(after - before) / self.h:.6g} h"
                 raise NotReadable(f"{share}: it is a multistep method, or uses a last stage as the slope at the end")
+
+    def _require_slopes_at_the_start(self, before: Mapping[int, Solution]) -> None:
+        """Raise NotReadable if an answer to a call before the start moves the end of this step alone."""
+        for n, run in before.items():
+            if run.y[self.place + 1][0] and not run.y[self.place][0]:
+                since = self.silent.t[self.place - 1]
+                h = self.start - since
+                near = _ROUNDINGS * float(self.format.u) / h  # of times up to 1
+                node = coefficient_text((self.silent.calls[n].t - since) / h, self.format, near)
+                if node != "1":
+                    said = f"its first slope is that of a call at c = {node} of the step before, not at the end, c = 1"
+                    raise NotReadable(f"{said}: a last stage that is the next first one is called at a wrong time")
 
     def _control(self, reading: TableauReading, stages: list[int]) -> None:
         """Raise NotReadable if a run with other answers does not end where the coefficients say."""

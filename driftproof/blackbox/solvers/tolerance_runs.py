@@ -179,7 +179,8 @@ def _is_deaf(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[floa
 def _of_another_scale(subject: ForeignSolver) -> list[str]:
     """The fault of other steps where y and atol are 2^20 times as large; they are the same for atol + rtol |y|.
 
-    If they are the same, to rounding, where rtol is given as atol and atol as rtol, the two are exchanged.
+    If they are the same, to rounding, where rtol is given as atol and atol as rtol, the two are exchanged, unless atol
+    changes nothing: then rtol is absolute.
     """
 
     def times(size: float, rtol: float, atol: float) -> tuple[float, ...]:
@@ -191,7 +192,10 @@ def _of_another_scale(subject: ForeignSolver) -> list[str]:
         return []
     one, other = times(1.0, ATOL, RTOL), times(_SIZE, _SIZE * ATOL, RTOL)
     exchanged = len(one) == len(other) and np.allclose(one, other, rtol=0, atol=SAME_TIME)
-    how = "rtol and atol are exchanged" if exchanged else "errors are not compared with atol + rtol |y| alone"
+    how = "errors are not compared with atol + rtol |y| alone"
+    if exchanged:
+        absolute = one == times(1.0, ATOL, ATOL)
+        how = "rtol is taken as an absolute tolerance" if absolute else "rtol and atol are exchanged"
     return [f"{how}: with y and atol 2^20 times as large it takes {large} steps instead of {small}"]
 
 

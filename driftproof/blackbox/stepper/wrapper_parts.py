@@ -80,11 +80,12 @@ def plain_role(name: str) -> str | None:
 def kind_by_names(names: Sequence[str]) -> str:
     """The kind of a step with these arguments: with a function, FORCE for a position and what is moved, else FIELD.
 
-    Without a velocity or a time, a position is moved by what has the name of a force or a gradient.
+    Without a velocity or a time, a position is moved by what has the name of a force or a gradient; a and b are the
+    ends of a run.
     """
     plain = [each for each in names if each not in calling.matrices(names)]
     roles = {plain_role(each) for each in plain}
-    pushed = takes_force(plain) or calling.has_gradient(plain) or any(word_of(each) == "a" for each in plain)
+    pushed = takes_force(plain) or calling.has_gradient(plain) or {"a", "b"} & {*map(word_of, plain)} == {"a"}
     moved = calling.POSITION in roles and (calling.VELOCITY in roles or (calling.TIME not in roles and pushed))
     return MAP if FUNCTION not in roles else FORCE if moved else FIELD
 

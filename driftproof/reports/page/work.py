@@ -104,7 +104,8 @@ def _sentence(curve: Curve) -> str:
 
 def work_table(found: Sequence[Curve], stated: Mapping[str, str] = {}, goals: Sequence[float] = GOALS[:2]) -> str:
     """A row per method: the order stated and measured, the fewest evaluations for each goal, or why it has none."""
-    header = ["Method", "order", "measured", *(f"calls for {goal_text(goal)}" for goal in goals)]
+    errors = (goal_text(goal).replace("-", "\N{NON-BREAKING HYPHEN}") for goal in goals)
+    header = ["Method", "order", "measured", *(f"calls for {error}" for error in errors)]
     rows, fewest = [], {curve.key: [_fewest_calls(curve, goal) for goal in goals] for curve in found}
     least = [min((calls for calls in of_goal if calls), default=0) for of_goal in zip(*fewest.values(), strict=True)]
     for curve in found:

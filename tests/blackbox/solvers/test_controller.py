@@ -31,6 +31,8 @@ LAWS = {
     "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "per unit of time": ({"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
         (0.84, Fraction(1, 4), 0, 0.1, 4.0)),
+    "per unit of time, with rtol alone": ({"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1,
+        "per_unit": True, "tolerances": lambda rtol, atol: (0.0, rtol)}, (0.84, Fraction(1, 4), 0, 0.1, 4.0)),
     "of two stages and a first step of its own": (
         {"key": "heun_euler21", "exponent": 0.5, "chooses_first_step": True}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "of step doubling": ({"key": "rk4_doubling54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),

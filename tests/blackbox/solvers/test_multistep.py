@@ -63,6 +63,14 @@ def adams_bashforth2():
     return Remembering("adams_bashforth2", euler).step
 
 
+def off_centre(f, t, y, h):
+    """The theta method with theta = 11/20, by iteration of a fixed point until nothing changes."""
+    y1, old = y, np.inf
+    while np.max(np.abs(y1 - old)) > 0:
+        old, y1 = y1, y + h * (0.45 * f(t, y) + 0.55 * f(t + h, y1))
+    return y1
+
+
 STARTED = "adams_bashforth2, started by forward_euler"
 PECE = "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4"
 KINDS = (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
@@ -70,6 +78,7 @@ RIGHT = {
     STARTED: [kind(adams_bashforth2) for kind in KINDS],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
+    "the theta method, theta = 11/20": [of_its_own_number(lambda: off_centre)],
     PECE: [by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)],
 }  # fmt: skip
 

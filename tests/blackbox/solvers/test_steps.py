@@ -57,6 +57,26 @@ def adams_bashforth():
     return step
 
 
+def with_a_last_stage(part):
+    """Heun's method, whose first slope is that at the end of the step before, called at a part of that step."""
+    kept = []
+
+    def step(f, t, y, h):
+        first = kept.pop() if kept else f(t, y)
+        y1 = y + h / 2 * (first + f(t + h, y + h * first))
+        kept.append(f(t + part * h, y1))
+        return y1
+
+    return step
+
+
+def shu_osher(f, t, y, h):
+    """The method ssprk33 as sums of Euler steps, which return y up to rounding where all slopes are 0."""
+    u1 = y + h * f(t, y)
+    u2 = 3 / 4 * y + 1 / 4 * (u1 + h * f(t + h, u1))
+    return 1 / 3 * y + 2 / 3 * (u2 + h * f(t + h / 2, u2))
+
+
 def twenty(make):
     """Twenty steps of a stepper."""
     return lambda f, t_span, y0, rtol, atol: run(make, f, t_span, y0, 20)
@@ -79,7 +99,10 @@ OTHERS = {
     "at those before these": of_slopes(lambda f, t, y: f(np.nextafter(np.nextafter(t, -1.0), -1.0), y)),
     "no times": lambda f, t_span, y0, *_: ([1.0], [y0]),
     "only the end": only_the_end, "implicit": twenty(lambda: implicit),
-    "multistep": twenty(adams_bashforth),
+    "multistep": twenty(adams_bashforth), "as sums of Euler steps": twenty(lambda: shu_osher),
+    "of a stage beyond the end": of_stages([[0, 0], [1, 0]], [0.5, 0.5], [0, 2]),
+    "of a last stage": twenty(lambda: with_a_last_stage(1)),
+    "of a last stage at a wrong time": twenty(lambda: with_a_last_stage(0.75)),
     "iterated": of_stages(*TEN_TIMES), "clipped": limited,
     "limited": of_slopes(lambda f, t, y: np.clip(f(t, y), -1.5, 1.5)),
     "bent": of_slopes(lambda f, t, y: np.asarray(f(t, y)) ** 3),

@@ -64,9 +64,9 @@ def pendulum(theta0, omega0, dt, N):
         theta[i + 1] = theta[i] + omega[i + 1] * dt
     return theta, omega
 
-def bashforth_of_ends(f, a, b, ya, n):
-    h, t, y = (b - a) / n, np.linspace(a, b, n + 1), np.zeros((n + 1, np.size(ya)))
-    y[0], slopes = ya, []
+def bashforth_of_ends(f, a, b, y0, n):
+    h, t, y = (b - a) / n, np.linspace(a, b, n + 1), np.zeros((n + 1, np.size(y0)))
+    y[0], slopes = y0, []
     for i in range(n):
         slopes.append(f(t[i], y[i]))
         ahead = slopes[-1] if i else f(t[i] + h / 2, y[i] + h / 2 * slopes[-1])
@@ -76,9 +76,9 @@ def bashforth_of_ends(f, a, b, ya, n):
 def bashforth_from_zero(f, y0, t_end, n):
     return bashforth_of_ends(f, 0.0, t_end, y0, n)[1]
 
-def after_two_steps(f, t0, tf, y0, N):
-    h, t, y = (tf - t0) / N, np.linspace(t0, tf, N + 1), np.zeros((N + 1, np.size(y0)))
-    y[0] = y0
+def after_two_steps(f, t0, tf, ya, N):
+    h, t, y = (tf - t0) / N, np.linspace(t0, tf, N + 1), np.zeros((N + 1, np.size(ya)))
+    y[0] = ya
     for i in range(2):
         y[i + 1] = y[i] + h * f(t[i] + h / 2, y[i] + h / 2 * f(t[i], y[i]))
     for i in range(2, N):
