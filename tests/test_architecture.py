@@ -69,11 +69,11 @@ BUDGETS = {
     "methods": 5583,
     "symbolic": 10676,
     "numeric": 4695,
-    "blackbox": 24069,
+    "blackbox": 24187,
     "enclosure": 5802,
     "texts": 11584,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6447
+BUDGET_OF_REPORTS_AND_FRONT = 6448
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

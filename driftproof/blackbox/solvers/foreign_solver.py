@@ -16,7 +16,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapt
 from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.function_wrappers import run_of_class
 from driftproof.blackbox.stepper.made_wrappers import owner_of
-from driftproof.blackbox.stepper.opening import Target, imported
+from driftproof.blackbox.stepper.opening import Named, imported
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -275,28 +275,15 @@ def in_binary32(times: Sequence[float]) -> bool:
     return all(float(np.float32(t)) == t for t in times)
 
 
-@dataclass(frozen=True)
-class SolverTarget:
+class SolverTarget(Named):
     """The solver to examine, or its `package.module:name`: the counterpart of `stepper.opening.Target`."""
-
-    solver: Callable[..., Any] | str
-
-    @property
-    def name(self) -> str:
-        """The name in reports."""
-        return Target(self.solver).name
-
-    @property
-    def by_name(self) -> bool:
-        """True if another interpreter can import it."""
-        return isinstance(self.solver, str)
 
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignSolver:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
-        given = imported(self.solver, "solver")
+        given = imported(self.step, "solver")
         if [*(calling.parameters_of(given) or ())][:1] == ["self"]:
             given = owner_of(given)
         given = given if inspect.isclass(given) else with_own_jacobian(given)

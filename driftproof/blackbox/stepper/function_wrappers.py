@@ -92,9 +92,11 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     It is "" unless the run is seen to begin at the start, or to stay there where nothing moves. If a run of several
     steps is not one step after the other, the wrapper takes their number: a multistep method has other steps at first.
     """
-    run = _Run(step, names, _arguments_of_a_run(names, kind := common.kind_by_names(names)), kind)
-    if len(run.given) < len(names):
+    given = _arguments_of_a_run(names, kind := common.kind_by_names(names))
+    if len(given) < len(names):
         return ""
+    # Some cannot end before their start does.
+    run = _Run(step, names, given, kind, (1, _RUN) if kind == FIELD and "1" in given.values() else (1,))
     for many, count in product((False, True), run.counts):
         with suppress(Exception):
             return run.tried(many, count)
@@ -102,17 +104,13 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
 
 
 class _Run(NamedTuple):
-    """A run with what it is given for each name, in which it makes one step."""
+    """A run with what it is given for each name, in which it makes one step; `counts` are numbers of steps to try."""
 
     step: Callable[..., Any]
     names: Sequence[str]
     given: Mapping[str, str]
     kind: str
-
-    @property
-    def counts(self) -> tuple[int, ...]:
-        """The numbers of steps to try; some runs cannot end before their start does."""
-        return (1, _RUN) if self.kind == FIELD and "1" in self.given.values() else (1,)
+    counts: Sequence[int]
 
     def of(self, values: Mapping[str, Any]) -> Any:
         """What the run returns where the arguments of its wrapper have these values."""

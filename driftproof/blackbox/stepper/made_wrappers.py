@@ -49,11 +49,6 @@ class Made(NamedTuple):
     puts: Mapping[str, str] = {}
 
     @property
-    def state(self) -> set[str]:
-        """The names of its state in the wrapper."""
-        return {"y"} if self.kind == FIELD else {"q", "v"}
-
-    @property
     def given(self) -> set[str]:
         """What is given to what makes it, to its step, or is put into its attributes."""
         return {*self.arguments.values(), *self.call.values(), *self.puts.values()}
@@ -236,7 +231,8 @@ def class_wrapper(cls: type, own: str) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     if (made := _by_names(cls, own)) is None:
         return ""
-    returns = made.state <= {*made.call.values()} or "[q, v]" in made.call.values()
+    state = {"y"} if made.kind == FIELD else {"q", "v"}
+    returns = state <= {*made.call.values()} or "[q, v]" in made.call.values()
     if returns:
         made = made.fitted()
     with suppress(Exception):
@@ -246,7 +242,7 @@ def class_wrapper(cls: type, own: str) -> str:
         texts = {TIME: "t", STEP: "h"} if made.kind == FIELD else {STEP: "h"}
         puts = {attribute_of(kept, role): text for role, text in texts.items() if text not in made.given}
         puts.pop("", None)
-        if returns or (all(places) and made.state <= {*made.arguments.values()}):
+        if returns or (all(places) and state <= {*made.arguments.values()}):
             return made._replace(kept=places, puts=puts).line()
     return made.line() if returns else ""
 
