@@ -16,7 +16,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapt
 from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.function_wrappers import run_of_class
 from driftproof.blackbox.stepper.made_wrappers import owner_of
-from driftproof.blackbox.stepper.opening import Named, imported
+from driftproof.blackbox.stepper.opening import NamedCode, imported
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -275,7 +275,7 @@ def in_binary32(times: Sequence[float]) -> bool:
     return all(float(np.float32(t)) == t for t in times)
 
 
-class SolverTarget(Named):
+class SolverTarget(NamedCode):
     """The solver to examine, or its `package.module:name`: the counterpart of `stepper.opening.Target`."""
 
     def open(

@@ -307,7 +307,7 @@ def _adapters(
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedCode:
     """Code to examine, a callable or `package.module:name`."""
 
     step: Callable[..., Any] | str
@@ -328,7 +328,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Target(Named):
+class Target(NamedCode):
     """The stepper to examine, and its convention and array maker where needed.
 
     Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
