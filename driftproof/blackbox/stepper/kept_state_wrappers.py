@@ -236,7 +236,7 @@ def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -
     puts = {attribute_of(made, STEP): "h"} if "h" not in call.values() else {}
     puts |= {attribute_of(made, TIME): "t"}
     found = Made(calling.STATE, cls, start, call, f".{advance}", puts={each: x for each, x in puts.items() if each})
-    places = objects.places_of(moved)
+    places = objects.made_places(moved)
     if np.ndim(getattr(made, moved[0])):
         return common.defined(found.kind, found.begin, f"{places} = 1.0 * y", found.once, f"return {places}")
     begin, end = f"import numpy; {found.begin}; [{places}] = 1.0 * y", f"return numpy.array([{places}])"

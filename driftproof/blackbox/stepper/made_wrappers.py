@@ -69,14 +69,14 @@ class Made(NamedTuple):
 
     @property
     def _putting(self) -> str:
-        return f"{places_of(self.puts)} = {', '.join(self.puts.values())}" if self.puts else ""
+        return f"{made_places(self.puts)} = {', '.join(self.puts.values())}" if self.puts else ""
 
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         if self._remembers():
             return self._of_run()
         if self.kept:
-            return defined(self.kind, self.begin, self.once, f"return {places_of(self.kept)}")
+            return defined(self.kind, self.begin, self.once, f"return {made_places(self.kept)}")
         if self.puts:
             return defined(self.kind, self.begin, f"return {self.once}")
         return defined(self.kind, f"return {self._making}{self.once.removeprefix('made')}")
@@ -88,7 +88,7 @@ class Made(NamedTuple):
         begun, of_field = self, self.kind == FIELD
         if self.kept:
             # What is kept may be changed in place, and so may be what it is given.
-            copied = f"[*{places_of(self.kept)}]" if of_field else f"({places_of(self.kept, '1.0 * ')})"
+            copied = f"[*{made_places(self.kept)}]" if of_field else f"({made_places(self.kept, '1.0 * ')})"
             later = f"({self.once}, {copied})[1]"
             copies = {} if of_field else {"q": "1.0 * q", "v": "1.0 * v"}
             begun = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})
@@ -113,7 +113,7 @@ class Made(NamedTuple):
 
     def stepped(self, names: dict[str, Any], state: Sequence[Any] = (), t: float = 0.0) -> tuple[Any, ...]:
         """The state that is left or returned after a step of what was made."""
-        left = f"found = {places_of(self.kept)}" if self.kept else ""
+        left = f"found = {made_places(self.kept)}" if self.kept else ""
         made = "; ".join(filter(None, [self._putting, f"found = {self.once}", left]))
         found = self._done(names, state or _START[self.kind], t, made)["found"]
         return tuple(map(copy, [found] if self.kind == FIELD else found))
@@ -162,7 +162,7 @@ class Made(NamedTuple):
         return self
 
 
-def places_of(attributes: Iterable[str], by: str = "") -> str:
+def made_places(attributes: Iterable[str], by: str = "") -> str:
     """The attributes of what is made as a text, each after `by`."""
     return ", ".join(f"{by}made.{each}" for each in attributes)
 
