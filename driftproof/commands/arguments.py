@@ -184,7 +184,9 @@ flag = partial(option, action="store_true")
 list_option = partial(option, action="extend", default=[])
 _methods_listed = lambda text: import_module("driftproof.methods.catalogue").names_listed(text)
 methods_option = partial(list_option, "--methods", type=_methods_listed, metavar="M,M")
-steps_option = partial(list_option, "--h", type=read_by(steps_of), metavar="H,H")
+# Irrational ones are read beside the end that they divide.
+_steps_given = lambda text: text.split(",") if {"pi", "sqrt"} & {*re.findall(r"[a-z]+", text)} else steps_of(text)
+steps_option = partial(list_option, "--h", type=read_by(_steps_given), metavar="H,H")
 OTHER_PARAMETERS = "other values of parameters of your own problem, such as mu=5"
 parameters_option = partial(list_option, "--parameters", type=several(_parameter), metavar="NAME=VALUE")
 error_option = partial(list_option, "--error", type=several(positive_number("error")), metavar="E,E")

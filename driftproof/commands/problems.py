@@ -14,7 +14,9 @@ from driftproof.commands import arguments as cli
         " forward_euler, rk4, symplectic_euler, backward_euler, implicit_midpoint, radau_iia2)"
     ),
     cli.parameters_option(cli.OTHER_PARAMETERS),
-    cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: those of 10, 100 and 1000 steps)"),
+    cli.steps_option(
+        "step sizes that divide t, such as 1/4,1/8, or pi/50 of 2*pi (default: those of 10, 100 and 1000 steps)"
+    ),
     cli.TEXT_OR_JSON,
 )
 def stability_command(options: Namespace) -> str:

@@ -33,7 +33,7 @@ from driftproof.methods.field_text import (
     start_of_table,
     unknowns_of_table,
 )
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.rationals import ExactNumber, brief, steps_of
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
@@ -41,9 +41,11 @@ from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 
-# Values of some parameters by name, as a mapping or as pairs.
 # Bits with which an expression is evaluated, far more than the 53 of the double that is wanted.
 _BITS = 256
+# Of an end that is written as a number, and is not the double nearest to one, the denominator is less.
+_OF_DOUBLES = 2**30
+# Values of some parameters by name, as a mapping or as pairs.
 GivenParameters: TypeAlias = Mapping[str, ExactNumber] | Sequence[tuple[str, ExactNumber]]
 
 
@@ -243,3 +245,25 @@ def nearest(number: CertifiableReal) -> Fraction:
         return number
     with in_bits(_BITS):
         return Fraction(float(enclose(number).mid()))
+
+
+def steps_to(t: Fraction, given: ExactNumber | Sequence[ExactNumber]) -> list[Fraction]:
+    """The step sizes of `steps_of`, where text may also be irrational: 2*pi/100 is t/100 for the double t of 2*pi.
+
+    Raises ValueError unless t is the double nearest to a multiple of such a step size.
+    """
+    if not isinstance(given, str):
+        return [h for each in (given if isinstance(given, Sequence) else [given]) for h in _steps_to(t, each)]
+    return [h for text in given.split(",") for h in _steps_to(t, text)]
+
+
+def _steps_to(t: Fraction, given: ExactNumber) -> list[Fraction]:
+    number = number_entry(given, "h") if isinstance(given, str) and ":" not in given else Fraction(1)
+    if isinstance(number, Fraction):
+        found = steps_of(given)
+        if t.denominator < _OF_DOUBLES or all((t / h).denominator == 1 for h in found):
+            return found
+    elif (steps := round(t / (nearest(number) or -t))) > 0 and nearest(lambda: steps * enclose(number)) == t:
+        return [t / steps]
+    remedy = "a part of the end as it is written does, such as 2*pi/100 of 2*pi"
+    raise ValueError(f"h = {brief(given)} does not divide t = {float(t)!r}, the nearest double of its end; {remedy}")

@@ -39,6 +39,9 @@ MOST_STEPS, MOST_TRIES = 5000, 60
 TUBE_AHEAD, TUBES = 8, (2, 2, 8, 32)
 # Steps shorter than this part of the time gone by mean a pole; van der Pol's equation, mu = 10^6, has steps of 2⁻⁴⁵.
 SHORTEST_STIFF_PART = Fraction(1, 2**64)
+# A change of f is crossed where steps are as short as these parts of the whole time; where they are as NEAR only if the
+# window adds no more than a step, as over a kink. Over a jump it adds the jump times its length, of 64 steps or more.
+NEAREST, NEAR = Fraction(1, 2**86), WIDEST_WINDOW / 64
 # Steps change by these factors at most.
 SHORTEN, LENGTHEN = 0.25, 4.0
 
@@ -112,7 +115,7 @@ class StiffPath:
         if self.steps > self.most:
             raise Refused(f"{self.most} implicit steps, the limit, reach only t = {float(self.t):.9g}")
         obstacle: Refused | None = None
-        widest = WIDEST_WINDOW * (self.last - self.first)
+        near = [part * (self.last - self.first) for part in (NEAREST, NEAR)]
         for _ in range(MOST_TRIES):
             h = min(_short(self.h), self.end - self.t)
             try:
@@ -121,11 +124,12 @@ class StiffPath:
                 self.end = cut.at
                 continue
             except Refused as refusal:
-                if isinstance(refusal, Overlapping) and 64 * h < widest:
-                    if (window := self._window(h, widest)) is not None:
+                if isinstance(refusal, Overlapping) and near and h < near[-1]:
+                    near.pop()  # once is enough from here
+                    if (window := self._window(h, any_width=not near)) is not None:
                         return window
-                    widest = Fraction(0)  # once is enough from here
                 added, obstacle = inf, refusal
+            nears = isinstance(obstacle, Overlapping)  # a change of f, in steps that may be as short as needed
             ratio = max(added / self.tolerance, 1e-30) ** (-1 / (1 + len(self.method.stages))) if added < inf else 0.0
             wanted, self.h = self.h, h * Fraction(min(max(0.9 * ratio, SHORTEN), LENGTHEN))
             if added <= self.tolerance and self.step is not None:
@@ -134,17 +138,21 @@ class StiffPath:
                 if self.jumped:
                     self.changes += [self.t] * (self.t < self.last)
                     self.h, self.end = max(self.h, wanted), self.last
-                elif h < SHORTEST_STIFF_PART * (self.t - self.first):
+                elif h < SHORTEST_STIFF_PART * (self.t - self.first) and not (near and nears):
                     raise not_smooth(self.t, obstacle_ahead(self.f, self.t, self.set.point, h))
                 return self.step
         reason = obstacle or "earlier errors grow too fast"
         raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 
-    def _window(self, h: Fraction, widest: Fraction) -> Window | None:
-        """Cross a change of f that is less than a short step ahead; None if it is farther, or not proved."""
+    def _window(self, h: Fraction, any_width: bool) -> Window | None:
+        """Cross a change of f that is less than a short step ahead; None if it is farther, not proved, or too wide."""
         around = (sizes_of(self.set.basis) * self.set.widths).entries()
         box = [x + r * arb(0, 1) for x, r in zip(self.set.point, around, strict=True)]
-        if (window := window_near(self.f, self.t, 16 * h, box, widest)) is None:
+        window = window_near(self.f, self.t, 16 * h, box, WIDEST_WINDOW * (self.last - self.first))
+        if window is None:
+            return None
+        narrow = (x.rad() <= self.tolerance * size for x, size in zip(window.after, self.largest, strict=True))
+        if not (any_width or all(narrow)):
             return None
         self.changes += [self.t] * (self.t > self.first)
         self.step, self.t, self.jumped, self.h = window, self.t + window.h, True, (self.last - self.first) / 1024

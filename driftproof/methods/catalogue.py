@@ -84,9 +84,13 @@ EXTENSIONS: Catalogue[ContinuousExtension] = Catalogue(["continuous"])
 
 
 def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
-    """The continuous extensions of a method, including those of the same tableau under another key."""
-    tableau = (method.a, method.b, method.c)
-    return tuple(each for each in EXTENSIONS.values() if (each.method.a, each.method.b, each.method.c) == tableau)
+    """The continuous extensions of a method: its own, and those of the same tableau under another key."""
+    tableau, own = (method.a, method.b, method.c), tuple[ContinuousExtension, ...]()
+    if method.dense is not None:
+        said = (f"{method.key}_dense", f"{method.title}, its dense output", 0, method.source)
+        own = (ContinuousExtension(*said, method, method.a, method.c, method.dense),)
+    known = (each for each in EXTENSIONS.values() if (each.method.a, each.method.b, each.method.c) == tableau)
+    return (*own, *known)
 
 
 def of_one_state(method: Entry, name: str = "") -> Method:

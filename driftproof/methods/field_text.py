@@ -148,10 +148,15 @@ def field_of_table(table: TomlTable) -> VectorField:
     try:
         field = field_of_text(rates, parameters, names)
     except ValueError as error:
-        if isinstance(rates, list) and (isinstance(error, MethodError) or "'" in "".join(map(str, rates))):
-            more = "for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
-            raise MethodError(f"{error}; {more}") from None
-        raise
+        said, more, named = str(error), "", isinstance(rates, dict)
+        for which, text in rates.items() if isinstance(rates, dict) else enumerate(rates):
+            place, rest = f"rates.{which}" if named else f"rates[{which}]", said.removeprefix(f"rate {which}")
+            if rest != said or (isinstance(error, ExpressionError) and error.text == text):
+                said = place + (rest if rest != said else f", {said}")
+                break
+        if not named and (isinstance(error, MethodError) or "'" in "".join(map(str, rates))):
+            more = "; for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
+        raise MethodError(said + more) from None
     pi = "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters)
     return VectorField(field.rates, (*field.parameters, *[("pi", PI)] * pi), field.unknowns)
 

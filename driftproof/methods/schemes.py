@@ -129,8 +129,9 @@ class RungeKutta(Staged):
     to `Fraction`. `claimed_order` is the order that the source claims, 0 if it claims none; the coefficients may have
     another. `source` is a key of `references.bib` and a place in it. `b_embedded`, of order `embedded_order`, is the
     second row of weights of a pair, of which `b` is propagated. `decimal` says that the source prints rounded numbers,
-    which are taken exactly: the order conditions then hold up to residuals, which are facts about the table. Raises
-    MethodError for inexact coefficients, coefficients of two fields, and wrong shapes.
+    which are taken exactly: the order conditions then hold up to residuals, which are facts about the table. A dense
+    output y + h Σᵢ bᵢ(θ) kᵢ has in `dense` the polynomial of each stage in θ, constant term first. Raises MethodError
+    for inexact coefficients, coefficients of two fields, and wrong shapes.
 
     >>> from fractions import Fraction
     >>> from driftproof import Facts, RungeKutta
@@ -148,6 +149,12 @@ class RungeKutta(Staged):
     b_embedded: tuple[Exact, ...] | None = None
     embedded_order: int | None = None
     decimal: bool = False
+    dense: tuple[tuple[Exact, ...], ...] | None = None
+
+    def coefficients(self) -> Iterable[Exact]:
+        """Yield the entries of the matrix, those of the rows, then those of the dense output."""
+        yield from super().coefficients()
+        yield from (x for weight in self.dense or () for x in weight)
 
     def embedded(self, suffix: str) -> RungeKutta:
         """The method that propagates the embedded weights of this pair; `suffix` is appended to the key."""
@@ -161,6 +168,7 @@ class RungeKutta(Staged):
             b=self.b_embedded,
             b_embedded=self.b,
             embedded_order=self.claimed_order,
+            dense=None,
         )
         return method
 

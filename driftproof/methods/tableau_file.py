@@ -10,12 +10,13 @@
     s3 = "sqrt(3)"                            # or "1 - cbrt(2)/2", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
 
 A number is an integer, a decimal, which is exact, or an expression in a string. All families have the keys `key`,
-`title`, `source`, `claimed_order` (0: nothing is claimed) and `decimal`. A pair has `b_embedded` with `embedded_order`;
-a splitting `parts = [["kick", "1/2"], ["drift", 1], ...]`; a Nyström method `c`, `A`, `b_position` and `b_velocity`; a
-collocation method `node_polynomial`, constant term first; a linear multistep method `rho` and `sigma`, from the oldest
-value to the new one, and `derivative = 2` for y'' = F(y); a Rosenbrock method `alpha`, `gamma` and `b`, and the keys of
-a pair; an additive (IMEX) method `A_explicit`, `A_implicit`, `b_explicit` and `b_implicit`. With `parameter = "gamma"`
-a Runge-Kutta file is a family of methods, with entries that are rational functions of gamma, e.g. "1 - 2*gamma".
+`title`, `source`, `claimed_order` (0: nothing is claimed) and `decimal`. A pair has `b_embedded` with `embedded_order`,
+a dense output `dense`, the polynomial in theta of each stage, constant term first; a splitting `parts = [["kick",
+"1/2"], ["drift", 1], ...]`; a Nyström method `c`, `A`, `b_position` and `b_velocity`; a collocation method
+`node_polynomial`, constant term first; a linear multistep method `rho` and `sigma`, from the oldest value to the new
+one, and `derivative = 2` for y'' = F(y); a Rosenbrock method `alpha`, `gamma` and `b`, and the keys of a pair; an
+additive (IMEX) method `A_explicit`, `A_implicit`, `b_explicit` and `b_implicit`. With `parameter = "gamma"` a
+Runge-Kutta file is a family of methods, with entries that are rational functions of gamma, e.g. "1 - 2*gamma".
 """
 
 from __future__ import annotations
@@ -236,7 +237,11 @@ def _entry(table: TomlTable, name: str) -> object:
 def _runge_kutta(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
-    return RungeKutta(**common, a=a, b=b, c=_nodes(table, a, read), **_second_row(table, read, len(b)))
+    c, further = _nodes(table, a, read), _second_row(table, read, len(b))
+    if "dense" in table:
+        weights = as_list(table["dense"], "dense", len(b))
+        further["dense"] = tuple(_numbers(weight, f"dense[{i}]", read) for i, weight in enumerate(weights))
+    return RungeKutta(**common, a=a, b=b, c=c, **further)
 
 
 def _second_row(table: TomlTable, read: Read, stages: int) -> dict[str, Any]:
@@ -311,7 +316,7 @@ def _additive(table: TomlTable, common: dict[str, Any], read: Read) -> Additive:
 
 _Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FurtherMethod]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
-    "runge_kutta": (("parameter", "A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
+    "runge_kutta": (("parameter", "A", "b", "c", "b_embedded", "embedded_order", "dense"), _runge_kutta),
     "splitting": (("parts",), _splitting),
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),

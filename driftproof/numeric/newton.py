@@ -179,6 +179,22 @@ def factored_newton_matrix(band: Band, h: float, a: Any, jacobians: Any, m: Any,
     return factored(m, order, len(m), layout.lower, layout.upper)
 
 
+def _factored_at(writers: FieldWriters, equations: Equations, moves: Any, jacobians: Any, m: Any, order: Any) -> bool:
+    """Overwrite M with the factors of Newton's matrix at these moves; False if it is singular."""
+    band, layout = writers.band, _layout(writers.band, len(equations.y), len(equations.a))
+    _derivatives_at(writers, equations, moves, jacobians)
+    for j in range(len(moves), len(equations.a)):
+        _copy_rows(jacobians[0], jacobians[j])
+    return factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
+
+
+def _moved(now: Any, part: float, x: Any, layout: Layout, trial: Any) -> None:
+    """Write Z less this part of the correction x into `trial`."""
+    for i in range(len(now)):
+        for k in range(len(now[0])):
+            trial[i][k] = now[i][k] - part * x[i * layout.stage + k * layout.component]
+
+
 def _solved_group(
     writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any, damped: bool
 ) -> bool:
@@ -196,26 +212,18 @@ def _solved_group(
     for i in range(stages):
         for k in range(n):
             moves[i][k] = now[i][k] = start[k]
-    _derivatives_at(writers, equations, now[:1], jacobians)
-    for j in range(1, stages):
-        _copy_rows(jacobians[0], jacobians[j])
-    regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
+    regular = _factored_at(writers, equations, now[:1], jacobians, m, order)
     ratio = residual(writers, equations, now, jacobians, g)
-    best, left, iterations, evaluations = ratio, _largest_entry(g), 0, stages
+    best, left, iterations = ratio, _largest_entry(g), 0
     while regular and iterations < MOST_ITERATIONS and isfinite(ratio):
-        square, part, before = _corrections(m, order, layout, g, x), 1.0, ratio
-        while True:
+        square, part, before, good = _corrections(m, order, layout, g, x), 2.0, ratio, False
+        while not good:
             iterations += 1
-            evaluations += stages
-            for i in range(stages):
-                for k in range(n):
-                    trial[i][k] = now[i][k] - part * x[i * layout.stage + k * layout.component]
-            ratio = residual(writers, equations, trial, jacobians, g)
-            if not damped or ratio <= 1 or part < SHORTEST:
-                break
-            if isfinite(ratio) and _corrections(m, order, layout, g, next_x) < square:
-                break
             part /= 2
+            _moved(now, part, x, layout, trial)
+            ratio = residual(writers, equations, trial, jacobians, g)
+            good = not damped or ratio <= 1 or part < SHORTEST
+            good = good or (isfinite(ratio) and _corrections(m, order, layout, g, next_x) < square)
         now, trial = trial, now
         if ratio < best:
             best, left = ratio, _largest_entry(g)
@@ -223,16 +231,14 @@ def _solved_group(
         if best <= 1 and not ratio < HALVES * before:
             break
         if damped or ratio > SHRINKS * before:
-            _derivatives_at(writers, equations, now, jacobians)
-            regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
+            regular = _factored_at(writers, equations, now, jacobians, m, order)
     report[ITERATIONS] += iterations
-    report[EVALUATIONS] += evaluations
+    report[EVALUATIONS] += stages * (1 + iterations)
     solved = best <= 1
     if solved:
         report[RESIDUAL], report[OVER_FLOOR] = max(report[RESIDUAL], left), max(report[OVER_FLOOR], best)
         if report[PAST] == 0 and sign_of_determinant(m, order, size, layout.lower) < 0:  # perhaps not so at the root
-            _derivatives_at(writers, equations, moves, jacobians)
-            regular = factored_newton_matrix(band, equations.h, equations.a, jacobians, m, order, layout)
+            regular = _factored_at(writers, equations, moves, jacobians, m, order)
             if regular and sign_of_determinant(m, order, size, layout.lower) < 0:
                 report[PAST] = equations.t + equations.h
     elif not damped:

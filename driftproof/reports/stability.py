@@ -14,13 +14,13 @@ from typing import TypeVar
 import numpy as np
 from flint import ctx
 
-from driftproof.enclosure.problem_tables import GivenParameters
+from driftproof.enclosure.problem_tables import GivenParameters, steps_to
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
-from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
+from driftproof.methods.rationals import ExactNumber, brief, step_count
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.vector_fields import VectorField
@@ -117,7 +117,7 @@ def stability(
     if problem is None:
         return Answered(problems_json(PROBLEMS.values()), problems_text)
     about = problem_given(problem, parameters)
-    counts = [step_count(about.t, size) for size in steps_of(h)] or list(_SHOWN)
+    counts = [step_count(about.t, size) for size in steps_to(about.t, h)] or list(_SHOWN)
     if max(counts) > _MOST_SHOWN:
         raise ValueError(f"{brief(max(counts))} steps to t = {about.t} are too many; at most {_MOST_SHOWN} are run")
     asked = methods_of(methods or STABILITY_METHODS)

@@ -11,8 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from driftproof.enclosure.problem_tables import steps_to
 from driftproof.methods.given_methods import GivenMethods, names_of
-from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
+from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts
@@ -66,7 +67,7 @@ def sweep(
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     keys, own = names_of(methods)
     about = replace(about, own=own) if own else about
-    axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_of(h)}
+    axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_to(about.t, h)}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
     place = None if output is None else Path(output)
@@ -89,7 +90,7 @@ def _scene_of(
     if not names_problem(given):
         return scene_given(str(given))
     problem = problem_given(given, parameters)
-    (keys, own), steps = names_of(methods), steps_of(h)
+    (keys, own), steps = names_of(methods), steps_to(problem.t, h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
     name, readouts = Path(problem.key).stem, compared_readouts(problem)

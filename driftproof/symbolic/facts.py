@@ -246,7 +246,10 @@ def facts_of_further(
     _, known = _FURTHER_METHODS[type(method)]
     facts = derived(method)
     if others := [name for name in names if name in FACTS and name not in known]:
-        raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
+        said = f"{method.key} is {method.kind}, and has no {others[0]}; choose from"
+        if isinstance(method, Family):
+            said = f"{others[0]} is a fact of single methods; choose one with `at`, a value of {method.parameter}, or"
+        raise ValueError(f"{said} {', '.join(known)}")
     found = facts_by_name(facts, names or known, known) | hidden_by_rounding(facts, names)
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):

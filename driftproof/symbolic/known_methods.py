@@ -18,7 +18,7 @@ from driftproof.support.plain_text import shortened
 from driftproof.symbolic.algebra.rational_functions import exact_text
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.printed_digits import roundings
-from driftproof.symbolic.linear.reduced_tableau import matchings, reduced_stages_of, reduced_word
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, matchings, reduced_stages_of, reduced_word
 from driftproof.symbolic.trees.order_conditions import simplifying_assumptions
 
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
@@ -56,7 +56,8 @@ def known_as(method: Entry) -> KnownAs:
     if same := _same(method):
         return same
     near = [(known.key, tuple(found)) for known, found, _ in _compared(method) if _is_few(method, known, found)]
-    steps = [known.key for known in _of_its_kind(method) if _steps_alike(method, known)]
+    mine = reduced_stages_of(method) if isinstance(method, Nystrom | RungeKutta) else None
+    steps = [known.key for known in _of_its_kind(method) if _steps_alike(method, mine, known)]
     if steps and not any("embedded" in each for _, found in near for each in found):
         return KnownAs(f"{steps[0]}: the same steps, written with other stages", (steps[0],))
     if near:
@@ -86,7 +87,8 @@ def _same(method: Any) -> KnownAs | None:
 
 
 def _compared(method: Any) -> list[tuple[Any, list[str], bool]]:
-    return [found for known in _of_its_kind(method) if (found := _differences(method, known)) is not None]
+    mine, known = _numbers(method), _of_its_kind(method)
+    return [found for each in known if (found := _differences(method, mine, each)) is not None]
 
 
 def _of_its_kind(method: Entry) -> Iterator[Any]:
@@ -115,12 +117,12 @@ def _numbers(method: Any) -> dict[str, Any]:
     return {f"{name}[{i}]": x for name, row in rows.items() for i, x in enumerate(row)}
 
 
-def _differences(method: Any, known: Any) -> tuple[Any, list[str], bool] | None:
-    """The method known, the coefficients that differ from its own, as text, and whether others are rounded.
+def _differences(method: Any, mine: dict[str, Any], known: Any) -> tuple[Any, list[str], bool] | None:
+    """The method known, the coefficients that differ from `mine`, as text, and whether others are rounded.
 
     None for tables of other shapes.
     """
-    mine, its = _numbers(method), _numbers(known)
+    its = _numbers(known)
     if any("embedded" not in name for name in {*mine} ^ {*its}):
         return None
     radius: Any = None if isinstance(method, Collocation) or getattr(method, "field", None) else roundings(method)
@@ -189,14 +191,14 @@ def _is_few(method: Any, known: Any, differences: list[str]) -> bool:
     return are_few(differences, len(counted), sum(name.startswith("a[") for name in counted))
 
 
-def _steps_alike(method: Any, known: Any) -> bool:
+def _steps_alike(method: Any, mine: StageCoefficients | None, known: Any) -> bool:
     """True if the irreducible stages are the same in some order, or the nodes of a collocation."""
     if isinstance(method, Collocation) != isinstance(known, Collocation):
         table, nodes = (known, method) if isinstance(method, Collocation) else (method, known)
         return isinstance(table, RungeKutta) and _collocates(table, nodes)
-    if not isinstance(method, Nystrom | RungeKutta):
+    if mine is None:
         return False
-    mine, its = reduced_stages_of(method), reduced_stages_of(known)
+    its = reduced_stages_of(known)
     if len(mine.a) != len(its.a) or not (isinstance(method, Nystrom) or _have_row_sums(method, known)):
         return False
     return next(matchings(mine, its), None) is not None

@@ -107,7 +107,7 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
     method = extension.method
     at_one = [sum(weight, Fraction(0)) for weight in extension.weights]
     own = [*method.b, *[Fraction(0)] * (len(at_one) - method.stages)]
-    of_order = _theta_residuals(extension)
+    of_order, zero = _theta_residuals(extension), EXACT.lift(Fraction(0))
     return ExtensionFacts(
         extension.key,
         extension.source,
@@ -115,7 +115,7 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
         extension.degree,
         extension.claimed_order,
         next(n for n in count(1) if any(of_order(n))) - 1,
-        EXACT.exact(max(_size(x) for n in range(1, extension.claimed_order + 1) for x in of_order(n))),
+        EXACT.exact(max((_size(x) for n in range(1, extension.claimed_order + 1) for x in of_order(n)), default=zero)),
         max(_size(x - y) for x, y in zip(at_one, own, strict=True)),
         _slope_residual(extension, own),
     )

@@ -169,7 +169,11 @@ REFUSED = {
     ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with `at`, a value of gamma",
     ("sdirk_order_2", "--order-tolerance", "1"): "sdirk_order_2 is a family; choose one method",
     ("sdirk_order_2", "--plot", "x.svg"): "--plot takes one method",
-    ("sdirk_order_2", "--only", "ssp_coefficient"): "of which `at` chooses one, and has no ssp_coefficient; choose",
+    (
+        "sdirk_order_2",
+        "--only",
+        "ssp_coefficient",
+    ): "is a fact of single methods; choose one with `at`, a value of gamma",
     ("rk4", "--order-tolerance", "-1"): "tolerance -1 is negative; it must be >= 0",
 }
 

@@ -133,6 +133,7 @@ def test_the_largest_place_is_that_of_the_larger_of_any_two_sizes(row, place):
 def test_largest_is_a_ball_of_the_largest_size():
     assert largest_of(ROWS, 128) == arb(0.75)
     assert largest_of([], 128) == 0
+    assert replace(PLAIN, y=((0.25, 0.5),), errors=((arb(0.25), arb(-0.5)),)).digits_of == (None, 0)
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction as Q
+from math import pi
 
 import numpy as np
 import pytest
 
-from driftproof.enclosure.problem_tables import given_problem, problem_table
+from driftproof.enclosure.problem_tables import given_problem, nearest, number_entry, problem_table, steps_to
 
 
 def test_function_and_rates_give_one_field_with_the_energy_in_doubles():
@@ -69,7 +70,7 @@ REFUSED = {
     "it is a method, not a problem": {"family": "runge_kutta", "A": [[0]], "b": [1]},
     "a problem has no key 'width'; its keys are rates": {"start": [1], "rates": ["y0"], "width": 2},
     r"energy, 'v\^2': 'v' is not allowed; .* with t, x$": {"start": {"x": 1}, "rates": {"x": "-x"}, "energy": "v^2"},
-    r"'y0 \+', column 5": {"start": [1], "rates": ["y0 +"]},
+    r"rates\[0\], 'y0 \+', column 5": {"start": [1], "rates": ["y0 +"]},
 }
 
 
@@ -78,3 +79,15 @@ def test_table_that_is_no_problem_is_refused_in_one_line(message):
     with pytest.raises(ValueError, match=f"^{message}") as refused:
         problem_table(REFUSED[message])
     assert "\n" not in str(refused.value)
+
+
+def test_a_step_size_divides_an_end_that_is_the_double_of_a_number():
+    end = Q(2 * pi)
+    asked = {"pi/50": [100], "2*pi/7, pi/3": [7, 6], "sqrt(3)": [5], "1/4:1/16": [4, 8, 16]}
+    ends = {"sqrt(3)": nearest(number_entry("5*sqrt(3)", "end")), "1/4:1/16": Q(1)}
+    for text, steps in asked.items():
+        assert steps_to(ends.get(text, end), text) == [ends.get(text, end) / n for n in steps]
+    assert steps_to(end, (end / 4, "pi/8")) == [end / 4, end / 16]
+    for wrong in ("1/50", "pi/50.3", "-pi", "pi-pi", "sqrt(2)/3", "10^40*pi", 0.5):
+        with pytest.raises(ValueError, match=r"does not divide t = 6.283185307179586, the nearest double .* 2\*pi/100"):
+            steps_to(end, wrong)

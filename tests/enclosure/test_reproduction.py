@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -109,6 +110,8 @@ def test_points_of_a_run_need_values_and_places_around_a_start_do_not():
     assert reproduced_field(root, made, [Fraction(0)], Fraction(1)).rates == ("sqrt(y0)",)
     with pytest.raises(NotReproduced, match="f in floats is"):
         require_reproduced(other, enclosable(root), [0.0], [[2.0]])
+    with pytest.raises(ValueError, match=r"unexpected keyword argument 'k'; its parameters are c$"):
+        require_reproduced(partial(lambda t, y, c=1: [c], k=2), enclosable(root), [0.0], [[2.0]])
     with pytest.raises(NotReproduced, match="f in floats is"):
         reproduced_field(other, made, [Fraction(0)], Fraction(1))
 

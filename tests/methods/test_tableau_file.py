@@ -13,7 +13,7 @@ from driftproof.methods import tableau_file
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import cube_root
+from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import read_method
 from tests.methods.conftest import Write
@@ -54,6 +54,8 @@ def test_pair_splitting_nystrom_and_collocation_are_read(write: Write) -> None:
     assert (read.b_embedded, read.embedded_order) == ((1, 0), 1)
     unclaimed = read_method(write(pair.removesuffix("\nembedded_order = 1")))
     assert unclaimed == replace(read, embedded_order=0)
+    dense = read_method(write(pair + '\ndense = [[0, 1, "-sqrt(2)/2"], [0, 0, "1/2"]]'))
+    assert (dense.dense, dense.embedded("_x").dense) == (((0, 1, -square_root(2) / 2), (0, 0, Q(1, 2))), None)
     verlet = 'family = "splitting"\nkey = "v"\nparts = [["kick", "1/2"], ["drift", 1], ["kick", 0.5]]\n'
     assert read_method(write(verlet)) == Splitting(
         "v", "v", 0, "given by the user", (("kick", Q(1, 2)), ("drift", Q(1)), ("kick", Q(1, 2)))
@@ -134,6 +136,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     ),
     (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
     (ONE + "b_embedded = [1]\nembedded_order = -1", "embedded_order is -1; write a whole number from 0 to 200"),
+    (ONE + "dense = [[1], [1]]", "dense has 2 entries, 1 are needed"),
     (HEAD + "A = [[0]]\nb = 1", "b is 1; write a list"),
     (HEAD + "A = [[0]]\nb = []", "A has 1 rows, but there are 0 weights"),
     (HEAD + "A = [[[0]]]\nb = [1]", "A[0][0] is [0]; write an integer, a decimal or an expression in quotes"),

@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import arb, ctx
-from mpmath import atan, cos, exp, mpf, nstr, sin, sqrt, workdps
+from mpmath import atan, cos, exp, log, mpf, nstr, sin, sqrt, workdps
 
 from driftproof.enclosure.evaluations import Refused
 from driftproof.enclosure.problem_tables import problem_table
@@ -435,10 +435,23 @@ def slid(friction):
         return [nstr(c + radius * cos(mpf(3) / 2 - first), 30), nstr(-radius * sin(mpf(3) / 2 - first), 30)]
 
 
+def rubbed(v):
+    """y'' = -1000y' - 1000y - 5 sign(y'), from (1, v) with v >= 0: motions around -1/200 and 1/200, until 2."""
+    with workdps(40):
+        r, s = -500 + sqrt(mpf(249000)), -500 - sqrt(mpf(249000))
+        first, other = lambda d, v: v - s * d, lambda d, v: v - r * d
+        d = mpf(201) / 200
+        turn = log(s * other(d, v) / (r * first(d, v))) / (r - s)
+        top = (first(d, v) * exp(r * turn) - other(d, v) * exp(s * turn)) / (r - s) - mpf(1) / 100
+        a, b = first(top, 0) * exp(r * (2 - turn)), other(top, 0) * exp(s * (2 - turn))
+        return [nstr(mpf(1) / 200 + (a - b) / (r - s), 30), nstr((r * a - s * b) / (r - s), 30)]
+
+
 def infusion(t, y, rate):
     return [(5.0 if t % 12 < 3 else 0.0) - rate * y[0]]
 
 
+STIFF_FRICTION = {"rates": ["y1", "-1000*y1 - 1000*y0 - 5*sign(y1)"], "end": 2}
 KINKED = {
     "doses as text": ({"rates": {"c": "5*heaviside(3 - mod(t, 12)) - k*c"}, "start": {"c": 0}, "end": 36,
                        "parameters": {"k": "0.3"}}, dosed("0.3", Decimal("0.25"))),
@@ -447,6 +460,8 @@ KINKED = {
     "modulus of the time": ({"rates": ["abs(t - 1/3)"], "start": [0], "end": 1}, [Decimal(5) / 18]),
     "stiff, with a kink at sqrt(2)": ({"rates": ["-1000000*(y0 - max(0, t^2 - 2))"], "start": [1], "end": 3},
                                       ["6.999994000002"]),
+    "stiff, with a jump at rest at 0": (STIFF_FRICTION | {"start": [1, 0]}, rubbed(0)),
+    "stiff, with a jump on the way": (STIFF_FRICTION | {"start": [1, 1]}, rubbed(1)),
     "friction as text": ({"rates": ["y1", "-y0 - 0.2*sign(y1)"], "start": [1, "1/4"], "end": "3/2"}, slid("0.2")),
     "friction as code": ({"function": lambda t, y: [y[1], -y[0] - 0.2 * np.sign(y[1])], "start": [1, 0.25],
                           "end": "3/2"}, slid(0.2)),

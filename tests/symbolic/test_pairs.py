@@ -84,4 +84,9 @@ def test_what_is_no_pair_has_no_estimate_and_no_extension_is_none():
     facts = Facts(METHODS["heun2"])
     assert (facts.estimate, facts.continuous_extensions) == (None, None)
     assert [each.key for each in Facts(METHODS["rk4"]).continuous_extensions] == ["rk4_hermite"]
+    bent = ("1", "-3/2", "2/3"), ("0", "1", "-2/3"), ("0", "1", "-2/3"), ("0", "-1/2", "2/3")
+    for last, reached, step in (("2/3", 3, 0), ("1", 0, Fraction(1, 3))):  # the cubic of RK4's own stages, and another
+        own = [(Fraction(0), *map(Fraction, weight)) for weight in (*bent[:-1], (*bent[-1][:-1], last))]
+        found, cubic = Facts(replace(METHODS["rk4"], dense=tuple(own), title="Mine")).continuous_extensions
+        assert (found.key, found.order, found.step_residual, cubic.key) == ("rk4_dense", reached, step, "rk4_hermite")
     assert Facts(METHODS["sdirk4"]).estimate.at_infinity == Fraction(10, 3)

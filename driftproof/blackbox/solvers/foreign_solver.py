@@ -234,6 +234,7 @@ def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> So
         dense = next(filter(callable, further), None)
     else:
         times, states, dense = (_part(answer, names) for names in (_TIMES, _STATES, _DENSE))
+        dense = dense if callable(dense) else None  # a list of what interpolates each step
         if times is None or states is None:
             raise WrongShape(f"it returns {type(answer).__name__}, not (t, y) nor an object with t and y")
     t, y = as_array(times).astype(float).ravel(), as_array(states)

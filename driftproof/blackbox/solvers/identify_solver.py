@@ -155,7 +155,7 @@ class _Answers:
     def remarks(self) -> list[str]:
         """What else was seen, and what was not."""
         control = self.controller
-        rows = [*control.result.remarks] if control.result else []
+        rows = [*getattr(control.result or self.steps.result, "remarks", ())]
         if control.kind == NotReadable.kind and self.steps.result and self.steps.result.adaptive:
             rows = [f"step size control not seen: {control.seen}"]
         return [*rows, *self.measured.beside, *self.measured.remarks]

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.families.imex import WELL_SOLVED
 from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import FORWARD_EULER, Recurrence, candidates
 from driftproof.blackbox.families.multistep_runs import SteadyRun
 from driftproof.blackbox.findings import WrongShape
+from driftproof.blackbox.judging.measured_order import order_seen, slopes_text
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import COUNT, LENGTH, DoesNotEnd, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
@@ -52,6 +54,7 @@ class SolverMemory:
     dense: None = None
     key: str | None = None  # of the catalogue, if it is one without changes
     named: bool = True  # whether the name is that of a method, or of several, exactly or nearly
+    remarks: tuple[str, ...] = ()
 
 
 def read_memory(subject: ForeignSolver) -> SolverMemory:
@@ -62,17 +65,25 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
     stepper = runs.stepper()
     for one_step in (BACKWARD_EULER, TRAPEZOID):
         reading = read_multistep(stepper, one_step)
-        found = reading.recurrence
-        if found.method is not None or found.recurrence.steps > 1 or found.theta:
+        if reading.recurrence.method is not None or reading.recurrence.recurrence.steps > 1:
             break
     else:
-        raise NotReadable(reading.recurrence.name)
-    order = None if reading.recurrence.facts is None else reading.recurrence.facts.order
+        if not reading.recurrence.theta:
+            raise NotReadable(reading.recurrence.name)
+    found = reading.recurrence
+    if found.recurrence.steps == 1 and found.asked and found.predictor is None:
+        alike = f"where slopes depend on t alone, its steps are those of {found.name.partition(',')[0]}, as are those"
+        raise NotReadable(f"{alike} of every method with these weights; where they depend on y, {found.asked}")
+    order = None if found.facts is None else found.facts.order
     begun = f", started by {reading.start.name}" if reading.start is not None and reading.start.name else ""
     lines = [line for _, part in reading.parts for line in part]
-    settled = not reading.recurrence.asked or reading.recurrence.predictor is not None
-    name, faults = reading.recurrence.name + begun, tuple(reading.faults)
-    return SolverMemory(name, order, tuple(lines), faults, settled, key=reading.key, named=reading.named)
+    settled = not found.asked or found.predictor is not None
+    remarks = [f"its equations are solved to {found.left:.1e} only"] * (found.left > WELL_SOLVED)
+    if order and reading.start is not None and reading.start.order is None and len(reading.start.order_slopes) > 2:
+        remarks.append(f"{order_seen(None)} in whole runs (slopes: {slopes_text(reading.start.order_slopes)})")
+    of_all = tuple(lines), tuple(reading.faults), settled
+    name = found.name + begun
+    return SolverMemory(name, order, *of_all, key=reading.key, named=reading.named, remarks=tuple(remarks))
 
 
 @dataclass(frozen=True)

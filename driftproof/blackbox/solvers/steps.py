@@ -14,7 +14,7 @@ from driftproof.blackbox.findings import Misbehaviour, once
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
 from driftproof.blackbox.matching.estimates import is_pair
-from driftproof.blackbox.matching.match import Identity, match_method, match_tableau
+from driftproof.blackbox.matching.match import Identity, Match, match_method, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
@@ -105,15 +105,22 @@ class SolverSteps:
 
     @property
     def named(self) -> bool:
-        """True if the name is that of a method, exactly or nearly."""
-        return bool(self.identity.matches or self.identity.near)
+        """True if the name is that of a method, exactly or nearly, or called at wrong times."""
+        return bool(self.identity.matches or self.identity.near or self._untimed)
+
+    @property
+    def _untimed(self) -> Sequence[Match]:
+        """The methods that these are where f does not depend on t."""
+        return match_tableau(replace(self.reading, c=None)).matches
 
     @property
     def name(self) -> str:
         """The pair that advances, or else another method of the catalogue, or the nearest; or that it is none."""
         if not self.identity.matches:
-            nearest = next((near.name for near in self.identity.near), "")
-            return nearest or "no explicit method of the catalogue, judging by its calls"
+            if nearest := next((near.name for near in self.identity.near), ""):
+                return nearest
+            untimed, none = self._untimed, "no explicit method of the catalogue, judging by its calls"
+            return f"{untimed[0].name} called at wrong times" if untimed else none
         return self.pairs[0].key if self.pairs else self.identity.matches[0].name
 
     @property
@@ -132,7 +139,12 @@ class SolverSteps:
 def read_steps(subject: ForeignSolver) -> SolverSteps:
     """Read the steps of a solver that returns the times of its steps. Raises NotReadable, saying what was seen."""
     marked = _Marked(subject)
-    reading = marked.reading()
+    try:
+        reading = marked.reading()
+    except NotReadable:
+        if not marked.reaches_beyond():
+            raise
+        reading = marked.reading()
     identity = match_tableau(reading)
     order = read_order(reading, next(iter(identity.matches), None))
     dense = marked.dense()
@@ -271,9 +283,7 @@ class _Marked:
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
         # The slope at the start may be needed before the extra stages of the previous step's dense output.
         within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
-        own = [n for n in within if n > since or calls[n].t == self.start]
-        # A stage at a wrong time may lie beyond the end, and is followed by a call of this step or at its end.
-        self.near = [n for n in range(own[0], own[-1] + 1) if n in own or calls[n].t > self.end] if own else []
+        self.near = [n for n in within if n > since or calls[n].t == self.start]
         earlier = self.silent.t[self.place - 1]  # in the first step t[-1]: the range is empty
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
@@ -314,6 +324,19 @@ class _Marked:
         self._control(reading, stages)
         self._control_bent(reading)
         return reading
+
+    def reaches_beyond(self) -> bool:
+        """Take the calls up to a step beyond the end that move it, themselves or through others; False if none does."""
+        beyond = [n for n, call in enumerate(self.silent.calls) if self.end < call.t <= self.end + self.h]
+        if len(self.near) + len(beyond) > MOST_CALLS:
+            return False
+        runs = {n: self._run({n: 1.0}) for n in (*self.near, *beyond)}
+        own = {n for n, run in runs.items() if run.y[self.place + 1][0] and not run.y[self.place][0]}
+        through = {n for n in beyond if any(runs[n].calls[m].y[0] for m in own)}
+        if not (moving := {*beyond} & (own | through)):
+            return False
+        self.near = sorted(moving | {n for n in self.near if not runs[n].y[self.place][0]})
+        return True
 
     def dense(self) -> DenseReading | None:
         """The dense output within the step as a function of time, after `reading`; None if there is none."""

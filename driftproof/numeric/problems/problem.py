@@ -93,7 +93,8 @@ def reference(key: str, evidence: str, source: str) -> Reference:
     Raises ValueError if digits.json has none.
     """
     if not (found := _digits().get(key)):
-        raise ValueError(f"{key} has no times in driftproof/numeric/problems/digits.json; a new problem has them there")
+        where = "driftproof/numeric/problems/digits.json; a new problem has its end there"
+        raise ValueError(f'{key} has no times in {where}, as in "{key}": {{"10": []}}')
     return Reference(tuple(map(Fraction, found)), tuple(map(tuple, found.values())), evidence, source)
 
 
@@ -130,7 +131,8 @@ class Problem:
     def __post_init__(self) -> None:
         """Raise ValueError for a start or a reference of another length than the field."""
         components = len(self.field.rates)
-        if any(len(state) != components for state in (self.start, *self.reference.states)):
+        given = filter(None, self.reference.states)  # () at the end of a new one, whose digits are to come
+        if any(len(state) != components for state in (self.start, *given)):
             raise ValueError(f"{self.key}: {components} rates need a start and a reference of {components} components")
 
     @property

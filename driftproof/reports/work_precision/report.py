@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf, isfinite
 from statistics import median
 from typing import TypeAlias, TypeVar
@@ -233,55 +233,61 @@ def _why_none(curve: Curve) -> str:
 
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
-    """What does not apply, was not run or is absent; then how times were taken."""
-    from driftproof.symbolic.claimed_orders import false_claims
+    """What does not apply, was not run or is absent; then how times were taken, and what counts."""
+    asked = study.question()
+    machine = f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items())
+    return [*_not_measured(study, measured), *_of_times(measured), *_what_counts(study, measured), machine]
 
-    lines = list[str]()
+
+def _not_measured(study: Study, measured: Measured) -> Iterator[str]:
+    """The remarks of points, the peers that are absent, and the times that were not taken."""
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
-        lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in by_remark.items()]
-    lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
+        yield from (f"{key} at {_settings(curve, points)}: {remark}" for remark, points in by_remark.items())
+    yield from (f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed)
     absent = _grouped(((name.split(" | ")[1], why), name.split(" | ")[0]) for name, why in measured.absent.items())
-    lines += [f"no times ({_LABELS[kind]}) for {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
+    yield from (f"no times ({_LABELS[kind]}) for {', '.join(keys)}: {why}" for (kind, why), keys in absent.items())
     over = Counter(name.split(" | ")[0] for name, timing in measured.timings.items() if timing.too_long)
-    if over:
-        counts = ", ".join(f"{key} {count}" for key, count in over.items())
-        lines.append(f"not timed, being longer than {study.limit:g} s (--time-limit): points of {counts}")
-
+    if counts := ", ".join(f"{key} {count}" for key, count in over.items()):
+        yield f"not timed, being longer than {study.limit:g} s (--time-limit): points of {counts}"
     marked = (name.split(" | ") for name, t in measured.timings.items() if t.remark and not t.too_long)
     untimed = _grouped((f"{key} ({_LABELS[kind]})", setting) for key, kind, setting in marked)
-    lines += [f"not timed: {whose} at {', '.join(settings)}" for whose, settings in untimed.items()]
-    spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
-    if spreads:
-        lines.append(
+    yield from (f"not timed: {whose} at {', '.join(settings)}" for whose, settings in untimed.items())
+
+
+def _of_times(measured: Measured) -> Iterator[str]:
+    """How times were taken, if any were, and what starts multistep methods."""
+    if spreads := [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]:
+        yield (
             f"Times are the least of up to {ROUNDS} turns in random order, garbage collection off; half of the spreads "
             f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
-    lines += [f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started]
+    yield from (f"first values of {c.key}: steps of {c.started}" for c in measured.curves.values() if c.started)
+
+
+def _what_counts(study: Study, measured: Measured) -> Iterator[str]:
+    """Which runs and which evaluations count, and what the signs in the tables mean."""
+    from driftproof.symbolic.claimed_orders import false_claims
+
     if study.wanted:
-        lines.append(
+        yield (
             "For such errors the fewest steps are found to a sixteenth, and the next two numbers that end at the times"
             " looked at are tried, too; tolerances are among 1, 2 and 5 times 10^-n."
         )
-    lines.append(
+    yield (
         f"A run counts if all finer ones that were made are as good, or have errors below about {ABOVE} (N + 1) 2^-53"
         " times the solution's size, which may be rounding."
     )
-    lines += [f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded]
-    lines.append("-: nothing to measure, or no point with an error.")
+    yield from (f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded)
+    yield "-: nothing to measure, or no point with an error."
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
-        lines.append("lost: no run has an error below the size of the solution.")
+        yield "lost: no run has an error below the size of the solution."
     again = [x.key for x in study.methods if isinstance(x, Splitting) and x.parts[0][0] == x.parts[-1][0] == "kick"]
     which = f" (so {', '.join(again)}: code that keeps it makes one less in each step)" if again else ""
-    lines.append(
-        f"Evaluations are those of f, as made, even if a step begins by repeating the last of the one before{which};"
-    )
-    lines.append("Jacobian matrices are not among them: they are computed by formulas.")
+    yield f"Evaluations are those of f, as made, even if a step begins by repeating the last of the one before{which};"
+    yield "Jacobian matrices are not among them: they are computed by formulas."
     if any(key.endswith(" controlled") for key in measured.curves):
-        lines.append("controlled: each step's error estimate is within tolerance (1 + |y|) in every component.")
-    asked = study.question()
-    lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
-    return lines
+        yield "controlled: each step's error estimate is within tolerance (1 + |y|) in every component."
 
 
 def _settings(curve: Curve, points: Sequence[Point]) -> str:

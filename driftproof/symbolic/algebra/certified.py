@@ -82,9 +82,23 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
         if not ball.is_finite() or (ball.rad() > 1 and ball.contains(0)):
             return None  # it settles nothing, and its ends may be too long to write out
         at_low, at_high = map(read, endpoints(ball))
+        if at_low != at_high and 2 * ctx.prec > LAST_BITS and (near := near_zero(ball)):
+            raise Uncertified(f"undecided with {LAST_BITS} bits: {near}")
         return at_low if at_low == at_high else None
 
     return settled(at_both_ends, FIRST_BITS)
+
+
+def near_zero(ball: arb) -> str:
+    """What a ball around 0 shows of its number; "" for another ball, and for one as wide as 1.
+
+    >>> near_zero(arb("0 +/- 1e-30")), near_zero(arb(2))
+    ('0, which no enclosure shows, or below 1e-29 in size', '')
+    """
+    if not (ball.contains(0) and 0 < ball.abs_upper() < 1):
+        return ""
+    power = (arb(ball.abs_upper()).log() / arb(10).log()).ceil().unique_fmpz()
+    return f"0, which no enclosure shows, or below 1e{power} in size"
 
 
 def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int = LAST_BITS) -> T:

@@ -24,12 +24,15 @@ _Matrix: TypeAlias = tuple[tuple[Exact, ...], ...]
 def is_semidefinite(matrix: _Matrix) -> bool:
     """True if the symmetric M is positive semidefinite, by M = L D Lᵀ with positive pivots as long as there are any.
 
-    The rest has no positive diagonal entry: it is 0, or x·Mx takes a negative value.
+    The rest has no positive diagonal entry, or a negative one: it is 0, or x·Mx takes a negative value.
     """
     rest = [list(row) for row in matrix]
-    while (pivot := next((i for i, row in enumerate(rest) if row[i] > 0), None)) is not None:
-        line, size = rest[pivot], rest[pivot][pivot]
-        rest = [[x - line[i] * line[j] / size for j, x in enumerate(row)] for i, row in enumerate(rest)]
+    while all(row[i] >= 0 for i, row in enumerate(rest)) and any(row[i] for i, row in enumerate(rest)):
+        line, size = next((row, row[i]) for i, row in enumerate(rest) if row[i])
+        rest = [
+            [x - line[i] * y / size for x, y in zip(row, line, strict=True)] if line[i] else row
+            for i, row in enumerate(rest)
+        ]
     return not any(map(any, rest))
 
 

@@ -29,7 +29,7 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml
-from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
+from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose, near_zero
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.facts import Facts
 from driftproof.texts.questions.answer import CERTIFIED, Answer
@@ -369,10 +369,8 @@ def _enclosed(read: Callable[[], arb]) -> Answer:
         except Uncertified:
             with ctx.workprec(_MOST_BITS_OF_SOLUTION):
                 most = read()
-            if not most.contains(0):
+            if not (said := near_zero(most)):
                 raise
-            power = (arb(most.abs_upper()).log() / arb(10).log()).ceil().unique_fmpz()
-            said = f"0, or below 1e{power} in size"
             raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: {said}") from None
 
     return Answer("", decided, CERTIFIED)

@@ -63,12 +63,25 @@ def adams_bashforth2():
     return Remembering("adams_bashforth2", euler).step
 
 
-def off_centre(f, t, y, h):
-    """The theta method with theta = 11/20, by iteration of a fixed point until nothing changes."""
-    y1, old = y, np.inf
-    while np.max(np.abs(y1 - old)) > 0:
-        old, y1 = y1, y + h * (0.45 * f(t, y) + 0.55 * f(t + h, y1))
-    return y1
+def theta_step(share, left=0.0):
+    """The theta method, by iteration of a fixed point until a number changes by no more than what may be left."""
+
+    def step(f, t, y, h):
+        y1, old = y, np.inf
+        while np.max(np.abs(y1 - old)) > left:
+            old, y1 = y1, y + h * ((1 - share) * f(t, y) + share * f(t + h, y1))
+        return y1
+
+    return step
+
+
+def linearised(f, t, y, h):
+    """ROS2, its Jacobian from differences."""
+    slope, g = f(t, y), 1 + 0.5**0.5
+    J = np.array([f(t, y + 1e-7 * e) - slope for e in np.eye(len(y))]).T / 1e-7
+    M = np.eye(len(y)) - g * h * J
+    k1 = np.linalg.solve(M, slope)
+    return y + h / 2 * (3 * k1 + np.linalg.solve(M, f(t + h, y + h * k1) - 2 * k1))
 
 
 STARTED = "adams_bashforth2, started by forward_euler"
@@ -78,7 +91,8 @@ RIGHT = {
     STARTED: [kind(adams_bashforth2) for kind in KINDS],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
-    "the theta method, theta = 11/20": [of_its_own_number(lambda: off_centre)],
+    "the theta method, theta = 11/20": [of_its_own_number(lambda: theta_step(0.55))],
+    "trapezoid": [by_length(lambda: theta_step(0.5))],
     PECE: [by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)],
 }  # fmt: skip
 
@@ -203,9 +217,16 @@ NO_MEMORY = {
     "of ten steps": (of_few(10), "it returns 11 states in a run of 40"),
     "of two steps": (of_few(2), "it returns 3 states"),
     "of a step": (of_few(1), "its steps are those of forward_euler, as"),
+    "linearised": (by_number(lambda: linearised), "where they depend on y, its right-hand side is not evaluated at"),
     "of one step": (by_number(lambda: of_one_step), "each step depends on the previous state only"),
     "stuck": (stuck, "after 30000 calls of f"),
 }
+
+
+def test_equations_that_are_not_solved_well_are_remarked_on():
+    solved, order = identify_solver(by_number(lambda: theta_step(0.5, 1e-5)), isolate=False).data["remarks"]
+    assert solved.startswith("its equations are solved to ")
+    assert order.startswith("no order is observed in whole runs")
 
 
 @pytest.mark.slow(keep=1)

@@ -86,6 +86,7 @@ def of_stages(a, b, c):
     return twenty(lambda: codes.tableau(a, b, c))
 
 
+RK4 = codes.floats(METHODS["rk4"])
 TEN_TIMES = [[float(i == j + 1) for j in range(10)] for i in range(10)], [0.0] * 9 + [1.0], [0.0, *[1.0] * 9]
 OTHERS = {
     **{key: adaptive(key) for key in (*PAIRS, "fehlberg45_embedded", "dormand_prince54_embedded")},
@@ -94,13 +95,16 @@ OTHERS = {
     "of no calls": lambda f, t_span, y0, *_: ([*np.linspace(*t_span, 5)], [y0] * 5),
     "only the start": lambda f, t_span, y0, *_: ([t_span[0]], [y0]),
     "from elsewhere": lambda f, t_span, y0, *_: ([0.5, *t_span], [y0] * 3),
-    "of rk4, without the last stage of a pair": of_stages(*codes.floats(METHODS["rk4"])),
+    "of rk4, without the last stage of a pair": of_stages(*RK4),
     "at the floats before": of_slopes(lambda f, t, y: f(np.nextafter(t, -1.0), y)),
     "at those before these": of_slopes(lambda f, t, y: f(np.nextafter(np.nextafter(t, -1.0), -1.0), y)),
     "no times": lambda f, t_span, y0, *_: ([1.0], [y0]),
     "only the end": only_the_end, "implicit": twenty(lambda: implicit),
     "multistep": twenty(adams_bashforth), "as sums of Euler steps": twenty(lambda: shu_osher),
     "of a stage beyond the end": of_stages([[0, 0], [1, 0]], [0.5, 0.5], [0, 2]),
+    "of stages called a step later": of_stages(*RK4[:2], [1 + x for x in RK4[2]]),
+    "with pieces of a dense output": lambda f, t_span, y0, *given: {
+        **dict(zip(("t", "y"), fixed(20)(f, t_span, y0, *given), strict=False)), "sol": [np.sin]},
     "of a last stage": twenty(lambda: with_a_last_stage(1)),
     "of a last stage at a wrong time": twenty(lambda: with_a_last_stage(0.75)),
     "iterated": of_stages(*TEN_TIMES), "clipped": limited,

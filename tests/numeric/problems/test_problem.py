@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from decimal import Decimal
@@ -131,6 +132,17 @@ def test_what_a_new_problem_lacks_is_said_with_the_file_in_which_to_write_it(mon
     for name, file in (("slow", "catalogue"), ("kepler", "closed_forms")):
         with pytest.raises(SystemExit, match=rf"^{name} .* in \S+/{file}\.py$"):
             write([name])
+
+
+def test_a_new_problem_with_its_end_alone_has_digits_at_the_eighths(monkeypatch, tmp_path) -> None:
+    old = PROBLEMS["dahlquist_1"]
+    new = replace(old, reference=replace(old.reference, times=old.reference.times[-1:], states=((),)))
+    monkeypatch.setattr("tests.witnesses.references.write.PROBLEMS", {"dahlquist_1": new})
+    monkeypatch.setattr("tests.witnesses.references.write.DIGITS", tmp_path / "digits.json")
+    (tmp_path / "digits.json").write_text('{"dahlquist_1": {"10": []}}')
+    write(["dahlquist_1"])
+    wanted = dict(zip(map(str, old.reference.times), map(list, old.reference.states), strict=True))
+    assert json.loads((tmp_path / "digits.json").read_text()) == {"dahlquist_1": wanted}
 
 
 def test_a_start_and_states_of_another_length_than_the_field_are_refused() -> None:
