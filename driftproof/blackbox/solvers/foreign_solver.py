@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import wraps
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -15,9 +14,10 @@ from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotAN
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
 from driftproof.blackbox.stepper.foreign_code import guarded_call
-from driftproof.blackbox.stepper.made_wrappers import owner_of, run_of_class
-from driftproof.blackbox.stepper.opening import Target, imported
-from driftproof.blackbox.stepper.second_functions import differences
+from driftproof.blackbox.stepper.function_wrappers import run_of_class
+from driftproof.blackbox.stepper.made_wrappers import owner_of
+from driftproof.blackbox.stepper.opening import NamedCode, imported
+from driftproof.blackbox.stepper.second_functions import with_own_jacobian
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # A solver that makes more calls on these short problems is said not to end, or to be too slow.
@@ -185,25 +185,6 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     return arranged
 
 
-def _of_f_alone(solve: Callable[..., Any]) -> Callable[..., Any]:
-    """The solver that is handed differences of f in place of the Jacobian that it needs; itself if it needs none."""
-    parameters = calling.parameters_of(solve) or {}
-    needed = [name for name, p in parameters.items() if p.default is p.empty]
-    roles = {calling.role_of(name, (calling.JACOBIAN, calling.FUNCTION)): name for name in reversed(needed)}
-    f, jacobian = roles.get(calling.FUNCTION), roles.get(calling.JACOBIAN)
-    if f is None or jacobian is None:
-        return solve
-    left = inspect.Signature([p for name, p in parameters.items() if name != jacobian])
-
-    @wraps(solve)
-    def alone(*given: Any, **options: Any) -> Any:
-        named = left.bind(*given, **options).arguments
-        return solve(**named, **{jacobian: lambda *at: differences(named[f], at, True)})
-
-    alone.__signature__ = left  # type: ignore[attr-defined]
-    return alone
-
-
 def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     """What a solver takes after f, t_span and y0, and the names of these parameters; without names, by position.
 
@@ -295,31 +276,18 @@ def in_binary32(times: Sequence[float]) -> bool:
     return all(float(np.float32(t)) == t for t in times)
 
 
-@dataclass(frozen=True)
-class SolverTarget:
+class SolverTarget(NamedCode):
     """The solver to examine, or its `package.module:name`: the counterpart of `stepper.opening.Target`."""
-
-    solver: Callable[..., Any] | str
-
-    @property
-    def name(self) -> str:
-        """The name in reports."""
-        return Target(self.solver).name
-
-    @property
-    def by_name(self) -> bool:
-        """True if another interpreter can import it."""
-        return isinstance(self.solver, str)
 
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignSolver:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
-        given = imported(self.solver, "solver")
+        given = imported(self.step, "solver")
         if [*(calling.parameters_of(given) or ())][:1] == ["self"]:
             given = owner_of(given)
-        given = given if inspect.isclass(given) else _of_f_alone(given)
+        given = given if inspect.isclass(given) else with_own_jacobian(given)
         if inspect.isclass(given) and (run := run_of_class(given)):
             given = run
         elif inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -75,50 +75,132 @@ def identify_solver(
         raise ValueError(steps.seen)
     if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
-    own, lost, remarks = _faults(steps, controller, runs)
-    named, faults = _named(steps, controller, runs), [*own, *lost]
-    said = "; ".join([named, *faults]) + "".join(map(_REMARK.format, remarks))
-    looked_at = "" if seen.failed else seen.result
-    report = Report(
-        runner.target.name,
-        named if steps.failed and runs.failed else said,
-        None,
-        (*_sections(steps, controller, runs, faults, remarks), *sections(("Looked at", [*filter(None, [looked_at])]))),
-        {
-            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
-            "controller": None if controller.result is None else list(controller.result.lines),
-            "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
-            "faults": list(faults),
-            "remarks": list(remarks),
-            "looked_at": looked_at,
-            "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
-        },
-        # Steps that are not read may be those of any method; without an answer there are none.
-        steps.result.named if not steps.failed else None if steps.kind in NO_EVIDENCE or not runs.failed else False,
-    )
-    if wanted is not None and steps.failed and own:  # one with faults of its own fails, whatever it advances
-        return replace(report, verdict="; ".join([*faults, named]), passed=False)
-    unread = steps.kind == NotReadable.kind and report.answered is not False and not faults
+    found = _Answers(steps, controller, runs, "" if seen.failed else seen.result)
+    report = found.report(runner.target.name)
+    if wanted is None:
+        return report
+    if steps.failed and found.own_faults:  # one with faults of its own fails, whatever it advances
+        return replace(report, verdict="; ".join([*found.faults, found.named]), passed=False)
+    unread = steps.kind == NotReadable.kind and report.answered is not False and not found.faults
     if unread and isinstance(wanted, RungeKutta) and wanted.explicit:
         apart = runner.outcome_of(partial(unlike, method=wanted)).result
         if apart:
             return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
-    unseen = controller.result.unseen if controller.result else ""
-    return report if wanted is None else _held(report, steps.result, wanted, faults, remarks, unseen)
+    return _held(report, found, wanted)
 
 
-def _held(
-    report: Report,
-    steps: SolverSteps | SolverMemory | None,
-    method: Method | FurtherMethod,
-    faults: Sequence[str],
-    remarks: Sequence[str],
-    unseen: str,
-) -> Report:
+@dataclass(frozen=True)
+class _Answers:
+    """What was asked of a solver: its steps, its step size control, and runs with known solutions; what they took."""
+
+    steps: Outcome
+    controller: Outcome
+    runs: Outcome
+    looked_at: str
+
+    def report(self, name: str) -> Report:
+        """The report on a solver of this name that is held to no method."""
+        said = "; ".join([self.named, *self.faults]) + "".join(map(_REMARK.format, self.remarks))
+        steps, controller, runs = self.steps, self.controller, self.runs
+        measured = self.measured.seen
+        what_to_do = _WHAT_TO_DO.get(steps.kind or "") if runs.failed or steps.kind == NotReadable.kind else None
+        return Report(
+            name,
+            self.named if steps.failed and runs.failed else said,
+            None,
+            sections(
+                ("What to do", [*filter(None, [what_to_do])]),
+                ("Steps", [] if steps.failed else steps.result.lines),
+                ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
+                ("Step size control", [] if controller.result is None else controller.result.lines),
+                *((f"{title}, measured", lines) for title, lines in measured.items()),
+                ("Faults", self.faults),
+                ("Remarks", self.remarks),
+                ("Not answered", without_duplicates([o.said for o in (steps, controller, runs) if o.failed])),
+                ("Looked at", [*filter(None, [self.looked_at])]),
+            ),
+            {
+                "steps": None if steps.failed else {"name": steps.result.name, "order": self.order},
+                "controller": None if controller.result is None else list(controller.result.lines),
+                "runs": None if runs.failed else {title: list(lines) for title, lines in measured.items()},
+                "faults": self.faults,
+                "remarks": self.remarks,
+                "looked_at": self.looked_at,
+                "not_answered": [{"kind": o.kind, "seen": o.seen} for o in (steps, controller, runs) if o.failed],
+            },
+            # Steps that are not read may be those of any method; without an answer there are none.
+            steps.result.named if not steps.failed else None if steps.kind in NO_EVIDENCE or not runs.failed else False,
+        )
+
+    @property
+    def own_faults(self) -> list[str]:
+        """The faults of the solver, those of the step size control first, which may be the cause of steps that differ.
+
+        What it does where f is NaN, a last step of a rounding, and which row of a pair it advances, are no faults of a
+        method's steps.
+        """
+        dense = None if self.steps.failed else self.steps.result.dense
+        found = filter(None, [dense, self.controller.result, self.steps.result, self.runs.result])
+        faults = [fault for each in found for fault in each.faults if fault not in self.measured.beside]
+        endless = self.controller.kind == DoesNotEnd.kind
+        return faults + [f"step size control: does not end: {self.controller.seen}"] * endless
+
+    @property
+    def faults(self) -> list[str]:
+        """The faults of the solver, and what a fault of ours left unmeasured."""
+        asked = (self.steps, self.controller, self.runs)
+        return self.own_faults + [f"not measured: {each.seen}" for each in asked if each.kind == INSTRUMENT_FAILED]
+
+    @property
+    def remarks(self) -> list[str]:
+        """What else was seen, and what was not."""
+        control = self.controller
+        rows = [*getattr(control.result or self.steps.result, "remarks", ())]
+        if control.kind == NotReadable.kind and self.steps.result and self.steps.result.adaptive:
+            rows = [f"step size control not seen: {control.seen}"]
+        return [*rows, *self.measured.beside, *self.measured.remarks]
+
+    @property
+    def measured(self) -> RunsReading:
+        """What the runs with known solutions show: nothing if they failed."""
+        return self.runs.result or RunsReading({})
+
+    @property
+    def order(self) -> int | None:
+        """The order of the tableau or the recurrence; of a step of another length than its times, that observed."""
+        steps = self.steps.result
+        order: int | None = steps.order if isinstance(steps, SolverMemory) else steps.order.order
+        observed = self.measured.answers.get("Tolerance", RunLines()).orders if order == 0 else ()
+        return min(map(round, observed), default=order)
+
+    @property
+    def named(self) -> str:
+        """What it advances, and the law of its step sizes; or why nothing of that is known."""
+        if self.steps.failed and self.runs.failed:
+            word = UNDECIDED if self.steps.kind in NO_EVIDENCE else NO_ANSWER
+            return f"{word}: {self.steps.seen}"
+        found: SolverSteps | SolverMemory | None = self.steps.result
+        implicit = self.measured.answers.get("Stiffness", RunLines()).implicit  # whose steps have no explicit tableau
+        implicit = implicit and f"; {implicit}"
+        if found is None:
+            name = f"its steps are not read: {self.steps.seen}{implicit}"
+        else:
+            shown = implicit if self.order is None else f", of order {self.order}"
+            if isinstance(found, SolverSteps) and self.order != found.order.order:
+                shown = f" in one run; order {self.order} is observed"  # its share depends on the number of steps
+            name = f"it advances {found.name}{shown}"
+        control: ControllerReading | None = self.controller.result
+        if control is not None and (control.law or not control.faults):
+            name += f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
+        return name
+
+
+def _held(report: Report, found: _Answers, method: Method | FurtherMethod) -> Report:
     """The report on a solver that should advance this method. Steps of several methods in turn leave that open.
 
     One whose runs gave no evidence is undecided.
     """
+    steps: SolverSteps | SolverMemory | None = found.steps.result
     if steps is None or (isinstance(steps, SolverMemory) and steps.order is None):
         passed = False if steps is None and report.answered is False else None
         verdict = f"{UNDECIDED} whether it is {method.key}: {report.verdict}" if passed is None else report.verdict
@@ -132,11 +214,12 @@ def _held(
         both = (method.key + EMBEDDED_SUFFIX, method.key.removesuffix(EMBEDDED_SUFFIX))
         instead = next((f"; if that row of the pair is meant: --method {key}" for key in both if key in others), "")
         return replace(report, verdict=f"is not {method.key}; {report.verdict}{instead}", passed=False)
-    if faults:
-        return replace(report, verdict=f"is {method.key}, but {'; '.join(faults)}", passed=False)
-    seen = f" in {report.data['looked_at']}" if report.data["looked_at"] else ""
-    verdict = f"is {method.key}{seen}{''.join(map(_REMARK.format, remarks))}"
-    if unseen := "its clock and its tolerances are not seen" if report.data["runs"] is None else unseen:
+    if found.faults:
+        return replace(report, verdict=f"is {method.key}, but {'; '.join(found.faults)}", passed=False)
+    seen = f" in {found.looked_at}" if found.looked_at else ""
+    verdict = f"is {method.key}{seen}{''.join(map(_REMARK.format, found.remarks))}"
+    unseen = found.controller.result.unseen if found.controller.result else ""
+    if unseen := "its clock and its tolerances are not seen" if found.runs.failed else unseen:
         return replace(report, verdict=f"{UNDECIDED} whether it {verdict}: {unseen}", passed=None)
     return replace(report, verdict=verdict, passed=True)
 
@@ -153,13 +236,6 @@ def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
         return memory if memory.settled else replace(memory, faults=(*memory.faults, str(refusal)))
 
 
-def _order(steps: SolverSteps | SolverMemory, runs: Outcome) -> int | None:
-    """The order of the tableau or the recurrence; of a step of another length than its times, the order observed."""
-    order = steps.order if isinstance(steps, SolverMemory) else steps.order.order
-    observed = () if order != 0 or runs.failed else runs.result.answers.get("Tolerance", RunLines()).orders
-    return min(map(round, observed), default=order)
-
-
 def _seen(subject: ForeignSolver) -> str:
     """What all questions looked at: how many steps, in how many runs, of how many numbers."""
     sizes, steps = zip(*subject.runs, strict=True)
@@ -169,66 +245,3 @@ def _seen(subject: ForeignSolver) -> str:
 
 def _controlled(subject: ForeignSolver, held: RungeKutta | None) -> ControllerReading:
     return read_controller(subject, read_steps(subject), held)
-
-
-def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[list[str], list[str], list[str]]:
-    """The faults of the solver, what a fault of ours left unmeasured, and the remarks.
-
-    The faults of the step size control, which may be the cause of steps that differ, come first. What it does where f
-    is NaN, a last step of a rounding, and which row of a pair it advances, are no faults of a method's steps.
-    """
-    found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
-    dense = None if steps.failed else steps.result.dense
-    endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
-    lost = [f"not measured: {each.seen}" for each in (steps, controller, runs) if each.kind == INSTRUMENT_FAILED]
-    faults = [*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless]
-    beside = [] if runs.failed else [line for each in runs.result.answers.values() for line in each.beside]
-    rows = [*controller.result.remarks] if controller.result else [*getattr(steps.result, "remarks", ())]
-    if controller.kind == NotReadable.kind and steps.result and steps.result.adaptive:
-        rows = [f"step size control not seen: {controller.seen}"]
-    unseen = () if runs.failed else runs.result.remarks
-    return [each for each in faults if each not in beside], lost, [*rows, *beside, *unseen]
-
-
-def _named(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
-    """What it advances, and the law of its step sizes; or why nothing of that is known."""
-    if steps.failed and runs.failed:
-        word = UNDECIDED if steps.kind in NO_EVIDENCE else NO_ANSWER
-        return f"{word}: {steps.seen}"
-    found: SolverSteps | SolverMemory | None = steps.result
-    if found is None:
-        name = f"its steps are not read: {steps.seen}{_implicit(runs)}"
-    else:
-        order = _order(found, runs)
-        shown = _implicit(runs) if order is None else f", of order {order}"
-        if isinstance(found, SolverSteps) and order != found.order.order:  # that share depends on the number of steps
-            shown = f" in one run; order {order} is observed"
-        name = f"it advances {found.name}{shown}"
-    control: ControllerReading | None = controller.result
-    measured = ""
-    if control is not None and (control.law or not control.faults):
-        measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
-    return name + measured
-
-
-def _implicit(runs: Outcome) -> str:
-    """The line on an implicit solver, whose steps have no explicit tableau; "" for an explicit one."""
-    line = "" if runs.failed else runs.result.answers.get("Stiffness", RunLines()).implicit
-    return line and f"; {line}"
-
-
-def _sections(steps: Outcome, controller: Outcome, runs: Outcome, faults: Sequence[str], remarks: Sequence[str]) -> Any:
-    measured: RunsReading | None = runs.result
-    found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
-    unread = steps.kind == NotReadable.kind
-    unanswered = [o.said for o in (steps, controller, runs) if o.failed]
-    return sections(
-        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),
-        ("Steps", [] if steps.failed else steps.result.lines),
-        ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
-        ("Step size control", [] if controller.result is None else controller.result.lines),
-        *found,
-        ("Faults", faults),
-        ("Remarks", remarks),
-        ("Not answered", without_duplicates(unanswered)),
-    )

@@ -64,6 +64,11 @@ class RunsReading:
         """The faults, also those that are none of the method's steps."""
         return tuple(fault for each in self.answers.values() for fault in (*each.faults, *each.beside))
 
+    @property
+    def beside(self) -> list[str]:
+        """The faults that are none of the method's steps."""
+        return [line for each in self.answers.values() for line in each.beside]
+
 
 def read_runs(subject: ForeignSolver) -> RunsReading:
     """Make the runs one after the other; a run that fails is reported and does not stop the others."""

@@ -6,6 +6,8 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
+from math import prod
 from typing import Any
 
 from driftproof.support.plain_text import unknown
@@ -55,15 +57,10 @@ VARIANTS = (
     (MAGNETIC, (VELOCITY, MAGNETIC_FIELD, STEP)),
     (ROTATION, (QUATERNION, ANGULAR, STEP)),
 )
-# The order of the arguments if their names do not tell.
+# The order of the arguments if their names do not tell: that of a kind's first variant, with a time before its state.
 STANDARD_ORDER = {
-    MAP: (POSITION, VELOCITY, STEP),
-    FORCE: (FUNCTION, POSITION, VELOCITY, STEP),
-    FIELD: (FUNCTION, TIME, STATE, STEP),
-    ROSENBROCK: (FUNCTION, JACOBIAN, TIME, STATE, STEP),
-    IMEX: (FUNCTION, IMPLICIT, TIME, STATE, STEP),
-    MAGNETIC: (POSITION, VELOCITY, ELECTRIC, MAGNETIC_FIELD, STEP),
-    ROTATION: (QUATERNION, ANGULAR, STEP),
+    kind: tuple(chain.from_iterable((TIME, role) if role == STATE else (role,) for role in roles))
+    for kind, roles in reversed(VARIANTS)
 }
 _FUNCTIONS = (
     *("f", "fn", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
@@ -73,22 +70,8 @@ _FUNCTIONS = (
 )
 # Names for the gradient of a potential; the force is minus its value.
 _GRADIENTS = (
-    *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient"),
-    *(
-        "dvdq",
-        "dvdx",
-        "dudq",
-        "dudx",
-        "du_dx",
-        "dv_dx",
-        "dv_dq",
-        "du_dq",
-        "dv",
-        "du",
-        "dpotential",
-        "nabla_u",
-        "nabla_v",
-    ),
+    *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient", "dpotential"),
+    *("dvdq", "dvdx", "dudq", "dudx", "du_dx", "dv_dx", "dv_dq", "du_dq", "dv", "du", "nabla_u", "nabla_v"),
 )
 _POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
 _VELOCITIES = (
@@ -166,6 +149,12 @@ MASSES, MASS = ("m", "mass", "masses"), 2.0
 INVERSE_MASSES = ("inv_mass", "inverse_mass", "invmass", "minv", "m_inv")
 # Likewise a charge, or a charge over the mass: the fields that are passed are divided by it.
 CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
+# What further arguments of each kind are given, with the words for them.
+_EXTRAS: dict[str, dict[float, Sequence[str]]] = {
+    MAP: {1.0: UNIT_PARAMETERS},
+    FORCE: {MASS: MASSES, 1 / MASS: INVERSE_MASSES},
+    MAGNETIC: {MASS: MASSES, _CHARGE: CHARGES},
+}
 
 
 @dataclass(frozen=True)
@@ -289,10 +278,11 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
     return names
 
 
-def stand_in(made: Any, step: Callable[..., Any], names: Sequence[str]) -> None:
-    """Give something callable these parameters, and the name of the step that it stands for."""
+def stand_in(made: Any, step: Callable[..., Any], taken: Iterable[str | inspect.Parameter]) -> None:
+    """Give something callable these parameters, or such names, and the name of the step that it stands for."""
     kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-    made.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])
+    parameters = (inspect.Parameter(each, kind) if isinstance(each, str) else each for each in taken)
+    made.__signature__ = inspect.Signature([*parameters])
     made.__qualname__, made.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
 
 
@@ -320,45 +310,54 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
     """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
-    open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
-    factor, run, words = 1.0, GRID in roles, {*map(word_of, names)}
-    if {*MASSES} & words and any(is_called(FUNCTION, word) and VERBS.search(word) for word in words):
+    open_roles, called, extra = [*roles, *([] if GRID in roles else [TIME])], dict[str, str](), dict[str, float]()
+    own = {*map(word_of, names)}
+    if {*MASSES} & own and any(is_called(FUNCTION, word) and VERBS.search(word) for word in own):
         return None  # get_acc(x, m) may be asked with an array of masses: `plain_forms`
-    # In f(x, y), as books write it, x is the time, and dx the step size unless there is another one.
-    booked = {FUNCTION, STATE} <= {*roles} and words & {"y", "yi"} and not words & {*ROLES[TIME]}
-    sized, no_roles = size_name(names), (*matrices(names), *launch(names))
-    meant = {"x": "t", "xi": "t", "dx": "dx" if sized else "dt"} if booked else {}
-    meant |= {"q": "y"} if kind == FIELD else {}
-    sized = sized or "dx" * bool(booked)
+    meant, sized = _meant(names, kind, roles)
+    no_roles = (*matrices(names), *launch(names))
     for name in names:
         word = meant.get(word_of(name), word_of(name))
         if name == "T" and any(map(str.islower, names)):  # the time at which a run ends
             return None
-        if kind == MAGNETIC and word in (*CHARGES, *MASSES):
-            extra[name] = MASS if word in MASSES else _CHARGE
-            factor *= 1 / _CHARGE if word in CHARGES else MASS
-            continue
         fits = (role for role in open_roles if is_called(role, word) or (kind, role, word) == _PARTICLE)
         role = next((role for role in fits if name not in no_roles and (role != STEP or name == sized)), None)
-        if role is not None:
+        value = _extra(kind, word, names)
+        if role is not None and not (kind == MAGNETIC and value):  # of whose names q is a charge
             open_roles.remove(role)
-            order.append(role)
-            factor = -factor if role == FUNCTION and has_gradient([word]) else factor
-        elif kind == MAP and word in UNIT_PARAMETERS:
-            extra[name] = 1.0
-        elif kind == FORCE and word in (*MASSES, *INVERSE_MASSES):
-            extra[name] = MASS if word in MASSES else 1 / MASS
-        elif word in COUNTS and (word != "l" or has_gradient(names)):  # of a sampler; of a pendulum, it is a length
-            extra[name], run = 1, True
+            called[role] = word_of(name)
+        elif value:
+            extra[name] = value
         else:
             return None
     if not set(open_roles) <= {TIME}:
         return None
-    called = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True))
-    if kind == FORCE and {MASS, 1 / MASS} & {*extra.values()} and not is_acceleration(called[FUNCTION]):
+    factor = -1.0 if has_gradient([called.get(FUNCTION, "")]) else 1.0
+    if kind == MAGNETIC:
+        factor *= prod(1 / value if value == _CHARGE else value for value in extra.values())
+    elif kind == FORCE and {MASS, 1 / MASS} & {*extra.values()} and not is_acceleration(called[FUNCTION]):
         factor *= MASS
     carried = 1.0 if is_acceleration(called.get(CARRIED, "")) else factor
-    return CallingConvention(kind, tuple(order), extra, (), factor, carried, run)
+    run = GRID in roles or any(word_of(name) in COUNTS for name in extra)
+    return CallingConvention(kind, tuple(called), extra, (), factor, carried, run)
+
+
+def _meant(names: Sequence[str], kind: str, roles: Sequence[str]) -> tuple[dict[str, str], str]:
+    """The words that stand for others in a signature, and the name of its step size.
+
+    In f(x, y), as books write it, x is the time, and dx the step size unless there is another one.
+    """
+    own, sized = {*map(word_of, names)}, size_name(names)
+    booked = {FUNCTION, STATE} <= {*roles} and own & {"y", "yi"} and not own & {*ROLES[TIME]}
+    meant = {"x": "t", "xi": "t", "dx": "dx" if sized else "dt"} if booked else {}
+    return meant | ({"q": "y"} if kind == FIELD else {}), sized or "dx" * bool(booked)
+
+
+def _extra(kind: str, word: str, names: Sequence[str]) -> float | None:
+    """What a further argument is given: a parameter, a mass, a charge, or a count of steps; None if it is unknown."""
+    known = next((x for x, words in _EXTRAS.get(kind, {}).items() if word in words), None)
+    counted = word in COUNTS and (word != "l" or has_gradient(names))  # of a sampler; of a pendulum, it is a length
+    return known or (1 if counted else None)
 
 
 def size_name(names: Iterable[str]) -> str:

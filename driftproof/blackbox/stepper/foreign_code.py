@@ -97,17 +97,11 @@ class ForeignCode:
         With a single number, sizes do not tell the two arguments apart. The first call of all then decides: the time is
         the argument closer to the time at which the step begins.
         """
-        order = self.convention.order
 
         def called(*passed: Foreign) -> Foreign:
             arguments = [x for x in passed if x is not None and np.size(x)] or passed  # without empty parameters
             known = self.convention.asks or self.log.asks
-            likely = known or order
-            time_first = calling.TIME not in likely or likely.index(calling.TIME) < likely.index(calling.STATE)
-            if not known and size == 1 and len(arguments) > 1:
-                first, last = (abs(x - t) for i in (0, -1) for x in self.adapter.read(arguments[i], 1))
-                time_first = first < last or (first == last and time_first)
-            state, time = (-1, 0) if time_first else (0, -1)
+            state, time = self._places_asked(arguments, t, size)
             try:
                 asked = self.adapter.read(arguments[state], size)
             except WrongShape:  # it calls f in the other order than it takes them itself
@@ -119,11 +113,9 @@ class ForeignCode:
             except NotANumber as refusal:
                 near = np.asarray(arguments[state])
                 if near.dtype.kind == "c" and 0 < (off := abs(near.imag).max()) < _COMPLEX_STEP:
-                    ends = [
-                        called(*(near.real + by * near.imag if x is arguments[state] else x for x in passed))
-                        for by in (0.0, _SHIFT / off)
-                    ]
-                    return ends[0] + 1j * np.subtract(ends[1], ends[0]) * (off / _SHIFT)
+                    ways = (near.real + by * near.imag for by in (0.0, _SHIFT / off))
+                    start, end = (called(*(y if x is arguments[state] else x for x in passed)) for y in ways)
+                    return start + 1j * np.subtract(end, start) * (off / _SHIFT)
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
                 raise AskedAtNoState(place) from None
             if len(arguments) > 1 and not known:
@@ -132,6 +124,16 @@ class ForeignCode:
             return self.answered(write(rate(at, asked)))
 
         return self.adapter.function(called)
+
+    def _places_asked(self, arguments: Sequence[Foreign], t: AnyNumber, size: int) -> tuple[int, int]:
+        """The likeliest places of the state and of the time among the arguments of its function."""
+        known = self.convention.asks or self.log.asks
+        likely = known or self.convention.order
+        time_first = calling.TIME not in likely or likely.index(calling.TIME) < likely.index(calling.STATE)
+        if not known and size == 1 and len(arguments) > 1:
+            first, last = (abs(x - t) for i in (0, -1) for x in self.adapter.read(arguments[i], 1))
+            time_first = first < last or (first == last and time_first)
+        return (-1, 0) if time_first else (0, -1)
 
     def answered(self, slopes: Foreign) -> Foreign:
         """The slopes, which are an answer to the code; it is logged if the code changes them."""

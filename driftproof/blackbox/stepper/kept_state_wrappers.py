@@ -16,7 +16,8 @@ from driftproof.blackbox.stepper import made_wrappers as objects
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
-from driftproof.blackbox.stepper.made_wrappers import ADVANCES, attribute_of, attributes_of, function_argument
+from driftproof.blackbox.stepper.function_wrappers import class_run_wrapper
+from driftproof.blackbox.stepper.made_wrappers import ADVANCES, Made, attribute_of, attributes_of, function_argument
 from driftproof.blackbox.stepper.wrapper_parts import name_of, plain_role
 
 # The usual names of a method that is given a force.
@@ -33,7 +34,7 @@ def object_wrapper(step: Callable[..., Any], own: bool = False) -> str:
     If its `own` system is to be judged, nothing of it is replaced.
     """
     if inspect.isclass(step):
-        advance, whole = advance_of(step) or "step", objects.class_run_wrapper(step)
+        advance, whole = advance_of(step) or "step", class_run_wrapper(step)
         once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
         return once or _kept_state_wrapper(step, _made_anyhow(step), advance, own)
     made, names = getattr(step, "__self__", None), required_names(step)
@@ -62,7 +63,7 @@ def _only_step(cls: type) -> str:
 
 
 def _roles(cls: type, method: str) -> set[str | None]:
-    return {plain_role(name) for name in calling.names_with_step(getattr(cls, method)) or ()}
+    return {*map(plain_role, objects.names_taken(cls, method))}
 
 
 def _own_step(cls: type) -> str:
@@ -96,64 +97,78 @@ def _kept_state_wrapper(cls: type, made: Any, advance: str, own: bool) -> str:
 def making(cls: type, kind: str, made: Any = None) -> str:
     """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
 
-    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, also
-    for those by default that divide what it calls, and those of some start for a state.
+    What else it takes is what `made` was given.
     """
-    names, name = required_names(cls) or [], name_of(cls)
-    taken = common.function_of(kind) * bool(function_argument(cls))
-    masses = objects.unit_masses(cls) if taken and kind == FORCE else {}
-    if len(names) == bool(taken) and not calling.has_gradient(names) and not masses:
-        return name
+    texts, taken = [*_start_of(cls, kind, made).values()], common.function_of(kind) * bool(function_argument(cls))
+    call = f"{name_of(cls)}({', '.join(texts)})"
+    return name_of(cls) if texts in ([], [taken]) else f"lambda {taken}: {call}".replace("lambda :", "lambda:")
+
+
+def _start_of(cls: type, kind: str, made: Any) -> dict[str, str]:
+    """What a class is given for each argument: its function, and those of some start for a state.
+
+    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, also
+    for those by default that divide what it calls.
+    """
+    names = required_names(cls) or []
+    masses = objects.unit_masses(cls) if function_argument(cls) and kind == FORCE else {}
     kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
     given = {each: _AT_REST.get(text, text) for each, text in common.arguments_by_role(names, kind).items()}
     given |= {each: "1.0" for each in names if each not in given and calling.word_of(each) in calling.UNIT_PARAMETERS}
     given |= masses
-    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in (*names, *masses))
-    return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
+    return {each: given.get(each, kept.get(each, each.upper())) for each in (*names, *masses)}
 
 
 def _two_states_wrapper(cls: type, advance: str) -> str:
     """The run of an object that keeps its state and the one before, and no velocity; "" if it is not one.
 
-    Of an object in space, all coordinates are the same. Its force is given to it or to its method, pushed, or put where
-    it keeps one; a function of another name is a right-hand side.
+    Its force is given to it or to its method, pushed, or put where it keeps one; a function of another name is a
+    right-hand side. It goes straight on where no force acts, or where y' = 1/2.
     """
     with suppress(Exception):
-        names, function, taken = required_names(cls) or [], function_argument(cls), _names_taken(cls, advance)
+        names, function, taken = required_names(cls) or [], function_argument(cls), objects.names_taken(cls, advance)
         begun = cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names])
-        kept, mass = vars(begun), objects.mass_of(begun)
-        before = next(each for each in kept if common.is_before(each))
-        now = next(each for each in kept if role_of(each, (calling.POSITION, calling.STATE)))
+        before = next(each for each in vars(begun) if common.is_before(each))
+        now = next(each for each in vars(begun) if role_of(each, (calling.POSITION, calling.STATE)))
         handed = function or any(plain_role(each) == FUNCTION for each in taken)
         kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD
         given = common.arguments_by_role(taken, kind)
-        if any(role_of(each, (calling.VELOCITY,)) for each in kept) or not {*given.values()} <= {"f", "force", "h"}:
+        if any(role_of(each, (calling.VELOCITY,)) for each in vars(begun)) or {*given.values()} - {"f", "force", "h"}:
             return ""
-        call, name = f"made.{advance}({', '.join(given[each] for each in taken)})", name_of(cls)
+        start = {each: "f" if each == function else "y" for each in names}
+        puts = {before: "y", now: common.FIRST_STEP_UNTIMED}
+        made = Made(kind, cls, start, {each: given[each] for each in taken}, f".{advance}", puts=puts)
         if kind == FIELD:
-            start = ", ".join("f" if each == function else "y" for each in names)
-            begin = f"made = {name}({start}); made.{before}, made.{now} = y, {common.FIRST_STEP_UNTIMED}"
-            line = common.run_of_steps(FIELD, f"y, [*made.{now}]", f"({call}, [*made.{now}])[-1]", begin, first=1)
+            later = f"({made.once}, [*made.{now}])[-1]"
+            line = common.run_of_steps(FIELD, f"y, [*made.{now}]", later, made.begin, first=1)
             found = _ran(line, cls, lambda y: 0.5 + 0.0 * y, np.array([1.0, 0.5]), 0.25, 2)
         else:
-            vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
-            first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
-            put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
-            force = f"lambda p, *rest: {put(f'force(p{first})')}"
-            whole = whole or f"0 * made.{now} + " * isinstance(kept[now], np.ndarray)  # of one number, with a copy()
-            start = ", ".join(force if each == function else "0.0" for each in names)
-            begin = f"made = {name}({start}); made.{now}, made.{before} = {put('q')}, {put(common.BEFORE)}"
-            push = next((f"made.{each}(" for each in _PUSHES if hasattr(cls, each)), "")
-            push = push or next((f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED), "")
-            if not (push or handed):
-                return ""
-            begin += f"; made.{mass} = 1.0" * bool(mass)
-            pushed = "" if handed else f"{push}force(made.{now}{first})), "
-            line = common.run_of_positions(f"({pushed}{call}, 1.0 * made.{now}{first})[-1]", begin)
+            line = _run_of_positions(made, begun, now, before)
             found = _ran(line, cls, lambda *x: 0.0, 1.0, 0.5, 0.25, 2)[0]
-        # It goes straight on where no force acts, or where y' = 1/2.
         return line if [float(np.ravel(x)[0]) for x in found] == [1.0, 1.125, 1.25] else ""
     return ""
+
+
+def _run_of_positions(made: Made, begun: Any, now: str, before: str) -> str:
+    """The run of an object that keeps two positions; of one in space, all coordinates are the same.
+
+    Raises IndexError if it has no place for a force.
+    """
+    kept, function, mass = vars(begun), function_argument(type(begun)), objects.mass_of(begun)
+    vector = type(kept[now]).__name__ if hasattr(kept[now], "x") and hasattr(kept[now], "y") else ""
+    first, whole = ("[0]", f"0 * made.{now} + ") if np.size(kept[now]) > 1 else (".x" * bool(vector), "")
+    put: Callable[[str], str] = lambda x: f"{vector}({x}, 0.0)" if vector else f"{whole}{x}"
+    force = f"lambda p, *rest: {put(f'force(p{first})')}"
+    whole = whole or f"0 * made.{now} + " * isinstance(kept[now], np.ndarray)  # of one number, with a copy()
+    start = {each: force if each == function else "0.0" for each in made.arguments}
+    begin = made._replace(arguments=start, puts={now: put("q"), before: put(common.BEFORE)}).begin
+    begin += f"; made.{mass} = 1.0" * bool(mass)
+    pushed = ""
+    if common.function_of(FORCE) not in made.call.values() and not function:
+        ways = [f"made.{each}(" for each in _PUSHES if hasattr(type(begun), each)]
+        ways += [f'setattr(made, "{each}", ' for each in kept if each.lower() in objects.PUSHED]
+        pushed = f"{ways[0]}force(made.{now}{first})), "
+    return common.run_of_positions(f"({pushed}{made.once}, 1.0 * made.{now}{first})[-1]", begin)
 
 
 def _ran(line: str, cls: type, *given: Any) -> Any:
@@ -166,33 +181,42 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
     q, v, state, time = (attribute_of(made, role) for role in (calling.POSITION, calling.VELOCITY, calling.STATE, TIME))
     moved, (q, v) = _moved_numbers(made, advance, (q, v))
-    built_in = not (function_argument(cls) or any(hasattr(cls, each) for each in _PUSHES))
+    push, of_function = next((each for each in _PUSHES if hasattr(cls, each)), ""), function_argument(cls)
     arrays = [each for each in moved if np.ndim(getattr(made, each))]
     apart = not {q, v} <= {*moved} and not arrays
-    if built_in and moved and (apart or (arrays in ([], moved[:1]) and _is_driven(made, advance, time, moved))):
-        return _numbers_wrapper(cls, made, advance, moved, bool(arrays))
-    if not (q and v) and (not state or common.takes_force([function_argument(cls)])):
+    alone = arrays in ([], moved[:1])
+    if moved and not (of_function or push) and (apart or (alone and _is_driven(made, advance, time, moved))):
+        return _numbers_wrapper(cls, made, advance, moved)
+    if not (q and v) and (not state or common.takes_force([of_function])):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
-    if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
-        of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
-        mass = objects.mass_of(made)
-        force = f"body.{mass} * f" if mass else "f"
-        given = f"{of_x}({force}, 0.0)" if of_x else force
-        where += f', push="{push}"' if given == "f" else f", push=lambda body, f: body.{push}({given})"
-    if function_argument(cls) and not (q and v):
+    if push and not required_names(cls):
+        where += f", push={_pushing(made, q, push)}"
+    if of_function and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
-    act, size = f'"{advance}"', attribute_of(made, STEP)
-    taken = _taken_by(made, advance, "h", "0.0")
+    others = [each for each in objects.names_taken(made, advance) if plain_role(each) != STEP]
+    meant = f"  # {', '.join(others)} = 0.0, or what is meant" * bool(others)
+    line = f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={_advancing(made, advance)})"
+    return line + meant
+
+
+def _pushing(made: Any, q: str, push: str) -> str:
+    """The way in which `stepper_of` gives an object at q the force that its method `push` takes."""
+    mass = objects.mass_of(made)
+    force = f"body.{mass} * f" if mass else "f"
+    if q.endswith(".x"):
+        force = f"{type(getattr(made, q.partition('.')[0], 0.0)).__name__}({force}, 0.0)"
+    return f'"{push}"' if force == "f" else f"lambda body, f: body.{push}({force})"
+
+
+def _advancing(made: Any, advance: str) -> str:
+    """The way in which `stepper_of` has an object make a step of h."""
+    size, taken = attribute_of(made, STEP), [*_taken_by(made, advance, "h", "0.0").values()]
     call = f"made.{advance}({', '.join(taken)})"
     if size and "h" not in taken:
-        act = f"lambda made, h: (setattr(made, '{size}', h), {call})"
-    elif "0.0" in taken:
-        act = f"lambda made, h: {call}"
-    others = [each for each in _names_taken(made, advance) if plain_role(each) != STEP]
-    meant = f"  # {', '.join(others)} = 0.0, or what is meant" * bool(others)
-    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act}){meant}"
+        return f"lambda made, h: (setattr(made, '{size}', h), {call})"
+    return f"lambda made, h: {call}" if "0.0" in taken else f'"{advance}"'
 
 
 def _is_driven(made: Any, advance: str, time: str, moved: Sequence[str]) -> bool:
@@ -201,25 +225,25 @@ def _is_driven(made: Any, advance: str, time: str, moved: Sequence[str]) -> bool
     with suppress(Exception):  # of foreign code
         for t in (0.25, 0.75) if time else ():
             setattr(body := deepcopy(made), time, t)
-            getattr(body, advance)(*_taken_by(made, advance, 0.25, 0.0))
+            getattr(body, advance)(*_taken_by(made, advance, 0.25, 0.0).values())
             ends.append([x for each in moved for x in np.ravel(getattr(body, each)).tolist()])
     return len(ends) == 2 and ends[0] != ends[1]
 
 
-def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str], array: bool) -> str:
-    """The step of an object, made anew, whose system is built in, of the time and what its step moves.
+def _numbers_wrapper(cls: type, made: Any, advance: str, moved: Sequence[str]) -> str:
+    """The step of an object, made anew, whose system is built in, of the time and of the numbers that its step moves.
 
-    That are numbers, or one array.
+    Or of the one array that it moves.
     """
-    taken, size, time = _taken_by(made, advance, "h", "0.0"), attribute_of(made, STEP), attribute_of(made, TIME)
-    make, places = making(cls, calling.MAP, made), ", ".join(f"made.{each}" for each in moved)
-    makes = make.removeprefix("lambda: ") if make.startswith("lambda") else f"{make}()"
-    puts = [f"made.{size} = h"] * (size != "" and "h" not in taken) + [f"made.{time} = t"] * bool(time)
-    step, begin = f"made.{advance}({', '.join(taken)})", f"made = {makes}"
-    if array:
-        return common.defined(calling.STATE, begin, *puts, f"{places} = 1.0 * y", step, f"return {places}")
-    end = f"return numpy.array([{places}])"
-    return common.defined(calling.STATE, "import numpy", begin, *puts, f"[{places}] = 1.0 * y", step, end)
+    start, call = _start_of(cls, calling.MAP, made), _taken_by(made, advance, "h", "0.0")
+    puts = {attribute_of(made, STEP): "h"} if "h" not in call.values() else {}
+    puts |= {attribute_of(made, TIME): "t"}
+    found = Made(calling.STATE, cls, start, call, f".{advance}", puts={each: x for each, x in puts.items() if each})
+    places = objects.made_places(moved)
+    if np.ndim(getattr(made, moved[0])):
+        return common.defined(found.kind, found.begin, f"{places} = 1.0 * y", found.once, f"return {places}")
+    begin, end = f"import numpy; {found.begin}; [{places}] = 1.0 * y", f"return numpy.array([{places}])"
+    return common.defined(found.kind, begin, found.once, end)
 
 
 def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[list[str], tuple[str, str]]:
@@ -234,7 +258,7 @@ def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[lis
         for i, (each, x) in enumerate(known.items()):
             setattr(moved, each, _SHORT if plain_role(each) == STEP else x * 0.0 + 1 / (i + 2))
         before = {each: copy(getattr(moved, each)) for each in known}
-        getattr(moved, advance)(*_taken_by(made, advance, _SHORT, 0.0))
+        getattr(moved, advance)(*_taken_by(made, advance, _SHORT, 0.0).values())
         rates = {each: (getattr(moved, each) - x) / _SHORT for each, x in before.items() if plain_role(each) != TIME}
         rates = {each: rate for each, rate in rates.items() if np.any(rate)}
         others = product(rates.items(), before.items())
@@ -246,14 +270,10 @@ def _moved_numbers(made: Any, advance: str, named: tuple[str, str]) -> tuple[lis
     return [], named
 
 
-def _names_taken(made: Any, advance: str) -> list[str]:
-    """The names of what a method is given besides its object, with a step size that has a default."""
-    return (calling.names_with_step(getattr(made if inspect.isclass(made) else type(made), advance, int)) or [])[1:]
-
-
-def _taken_by(made: Any, advance: str, size: Any, other: Any) -> list[Any]:
-    """What a method is given besides its object: a step size, and `other` things."""
-    return [size if plain_role(each) == STEP else other for each in _names_taken(made, advance)]
+def _taken_by(made: Any, advance: str, size: Any, other: Any) -> dict[str, Any]:
+    """What a method is given by name besides its object: a step size, and `other` things."""
+    cls = made if inspect.isclass(made) else type(made)
+    return {each: size if plain_role(each) == STEP else other for each in objects.names_taken(cls, advance)}
 
 
 def further_names(cls: type, advance: str) -> list[str]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from dis import get_instructions
-from itertools import chain, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,12 +17,10 @@ from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
-from driftproof.blackbox.stepper.function_wrappers import run_wrapper
 from driftproof.blackbox.stepper.wrapper_parts import arguments_by_role, defined, name_of, plain_role
 
-# The usual names of a method that makes a step, and of one that makes a run.
+# The usual names of a method that makes a step.
 ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
-_RUNS = ("solve", "run", "integrate", "simulate", "propagate", "evolve")
 # The attributes, in small letters, by which an object is given its force; and the coordinates besides the first.
 PUSHED = ("ax", "acc", "accel", "acceleration", "a", "force", "f", "fx")
 _ASIDE = ("y", "z", "vx", "vy", "vz", "ay", "az")
@@ -51,52 +49,52 @@ class Made(NamedTuple):
     puts: Mapping[str, str] = {}
 
     @property
-    def state(self) -> set[str]:
-        """The names of its state in the wrapper."""
-        return {"y"} if self.kind == FIELD else {"q", "v"}
-
-    @property
     def given(self) -> set[str]:
         """What is given to what makes it, to its step, or is put into its attributes."""
         return {*self.arguments.values(), *self.call.values(), *self.puts.values()}
 
     @property
-    def _making(self) -> str:
-        return f"made = {name_of(self.make)}({', '.join(self.arguments.values())})"
+    def begin(self) -> str:
+        """The statements that make it, and put what is put into its attributes."""
+        return "; ".join(filter(None, [f"made = {self._making}", self._putting]))
 
     @property
-    def _putting(self) -> str:
-        places, texts = ", ".join(f"made.{each}" for each in self.puts), ", ".join(self.puts.values())
-        return f"{places} = {texts}" if self.puts else ""
-
-    @property
-    def _once(self) -> str:
+    def once(self) -> str:
+        """The call that makes a step."""
         return f"made{self.method}({', '.join(self.call.values())})"
 
     @property
-    def _left(self) -> str:
-        return ", ".join(f"made.{each}" for each in self.kept)
+    def _making(self) -> str:
+        return f"{name_of(self.make)}({', '.join(self.arguments.values())})"
+
+    @property
+    def _putting(self) -> str:
+        return f"{made_places(self.puts)} = {', '.join(self.puts.values())}" if self.puts else ""
 
     def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
-        made, once, left = self._making, self._once, self._left
-        if not self._remembers():
-            if left:
-                return defined(self.kind, made, self._putting, once, f"return {left}")
-            if self.puts:
-                return defined(self.kind, made, self._putting, f"return {once}")
-            return defined(self.kind, f"return {made.removeprefix('made = ')}{once.removeprefix('made')}")
-        if not (left or self.arguments or self.puts):  # its steps may have several lengths
-            return f"wrapped = {made.removeprefix('made = ')}{self.method}"
-        later = self._replace(call=common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]"))._once
-        if left:
+        if self._remembers():
+            return self._of_run()
+        if self.kept:
+            return defined(self.kind, self.begin, self.once, f"return {made_places(self.kept)}")
+        if self.puts:
+            return defined(self.kind, self.begin, f"return {self.once}")
+        return defined(self.kind, f"return {self._making}{self.once.removeprefix('made')}")
+
+    def _of_run(self) -> str:
+        """The wrapper of n steps of one object."""
+        if not (self.kept or self.arguments or self.puts):  # its steps may have several lengths
+            return f"wrapped = {self._making}{self.method}"
+        begun, of_field = self, self.kind == FIELD
+        if self.kept:
             # What is kept may be changed in place, and so may be what it is given.
-            copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)
-            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
-            copies = {"q": "1.0 * q", "v": "1.0 * v"} if self.kind == FORCE else {}
-            made = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})._making
-        begin = "; ".join(filter(None, (made, self._putting)))
-        return common.run_of_steps(self.kind, "y" if self.kind == FIELD else "(q, v)", later, begin)
+            copied = f"[*{made_places(self.kept)}]" if of_field else f"({made_places(self.kept, '1.0 * ')})"
+            later = f"({self.once}, {copied})[1]"
+            copies = {} if of_field else {"q": "1.0 * q", "v": "1.0 * v"}
+            begun = self._replace(arguments={x: copies.get(text, text) for x, text in self.arguments.items()})
+        else:
+            later = self._replace(call=common.later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]")).once
+        return common.run_of_steps(self.kind, "y" if of_field else "(q, v)", later, begun.begin)
 
     def new(
         self, t: float = 0.0, state: Sequence[Any] = (), function: Callable[..., Any] | None = None
@@ -105,27 +103,30 @@ class Made(NamedTuple):
         names = scope_of(self.make) | {text: None for text in self.given if text.isidentifier() and text.isupper()}
         # Of the time, too, where it is given.
         names |= {"h": 0.25, **dict.fromkeys(("f", "force"), function or (lambda *x: x[0] - 0.5 * x[-1]))}
-        return self._done(names, state or _START[self.kind], t, self._making, self._putting)
+        return self._done(names, state or _START[self.kind], t, self.begin)
 
-    def _done(self, names: dict[str, Any], state: Sequence[Any], t: float, *statements: str) -> dict[str, Any]:
+    def _done(self, names: dict[str, Any], state: Sequence[Any], t: float, statements: str) -> dict[str, Any]:
         """The names after some statements of the wrapper in a state."""
         names |= {"t": t} | dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
-        exec("; ".join(filter(None, statements)), names)
+        exec(statements, names)
         return names
 
     def stepped(self, names: dict[str, Any], state: Sequence[Any] = (), t: float = 0.0) -> tuple[Any, ...]:
         """The state that is left or returned after a step of what was made."""
-        end = f"found = {self._once}" + f"; found = {self._left}" * bool(self.kept)
-        found = self._done(names, state or _START[self.kind], t, self._putting, end)["found"]
+        left = f"found = {made_places(self.kept)}" if self.kept else ""
+        made = "; ".join(filter(None, [self._putting, f"found = {self.once}", left]))
+        found = self._done(names, state or _START[self.kind], t, made)["found"]
         return tuple(map(copy, [found] if self.kind == FIELD else found))
 
     def moves_by(self) -> bool:
         """True if it stands still, or goes straight on, where nothing is pushed, and is moved by what pushes it."""
-        pushes = (lambda *x: 0.0 * max(x, key=np.size)), (lambda *x: 0.0 * max(x, key=np.size) + 1.0)
-        still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
-        first = np.ravel(_START[self.kind])
-        right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
-        return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
+        with suppress(Exception):
+            pushes = (lambda *x: 0.0 * max(x, key=np.size)), (lambda *x: 0.0 * max(x, key=np.size) + 1.0)
+            still, moved = (np.ravel(self.stepped(self.new(function=pushed))) for pushed in pushes)
+            first = np.ravel(_START[self.kind])
+            right = np.array_equal(still, first) if self.kind == FIELD else still[1] == first[1]
+            return bool(right and still[1] != moved[1] and (self.kind == FIELD or not self._remembers()))
+        return False
 
     def _remembers(self) -> bool:
         """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
@@ -161,6 +162,11 @@ class Made(NamedTuple):
         return self
 
 
+def made_places(attributes: Iterable[str], by: str = "") -> str:
+    """The attributes of what is made as a text, each after `by`."""
+    return ", ".join(f"{by}made.{each}" for each in attributes)
+
+
 def function_argument(cls: type) -> str:
     """The argument of a class by which its objects are given the function that they call; "" if there is none."""
     return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
@@ -182,7 +188,7 @@ def mass_of(made: Any) -> str:
 
 def unit_masses(cls: type) -> dict[str, str]:
     """What sets masses, or inverse ones, that a class has by default and that are not 1 to 1, as further arguments."""
-    given = [x.name for x in _parameters(cls) if x.default not in (x.empty, 1)]
+    given = [x.name for x in (calling.parameters_of(cls) or {}).values() if x.default not in (x.empty, 1)]
     heavy = (*calling.MASSES, *calling.INVERSE_MASSES)
     return {each: f"{each}=1.0" for each in given if calling.word_of(each) in heavy}
 
@@ -196,6 +202,11 @@ def attributes_of(made: Any) -> dict[str, Any]:
 def public_methods(cls: type) -> list[str]:
     """The names of a class's methods that are for others."""
     return [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
+
+
+def names_taken(cls: type, method: str) -> list[str]:
+    """The names of what a method of a class is given besides its object, with a step size that has a default."""
+    return (calling.names_with_step(getattr(cls, method, int)) or [])[1:]
 
 
 def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
@@ -218,38 +229,45 @@ def scope_of(step: Callable[..., Any]) -> dict[str, Any]:
 
 def class_wrapper(cls: type, own: str) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
-    names, taken = required_names(cls) or [], (calling.names_with_step(getattr(cls, own)) or [""])[1:]
-    with_size = calling.names_with_step(cls) or []  # where a class is made with a step size that has a default
-    if STEP not in map(plain_role, taken) and [*(calling.parameters_of(cls) or ())][: len(with_size)] == with_size:
-        names = with_size
-    kind = common.kind_by_names((*names, *taken))
-    called = arguments_by_role(taken, kind)
-    made = Made(kind, cls, arguments_by_role(names, kind), called, f".{own}" * (own != "__call__"))
-    inputs = [each for each in taken if each not in called]
-    if kind == FIELD and inputs and {*inputs} <= {*CONTROL_INPUTS}:  # which a step hands on to its function
-        takes = {each: _OF_STATE if text == "f" else text for each, text in made.arguments.items()}
-        made = made._replace(arguments=takes, call={each: called.get(each, "None") for each in taken})
-    if kind == FORCE and {*called.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
-        made = made._replace(call={each: "[q, v]" if text == "q" else text for each, text in called.items()})
-    if len(made.arguments) < len(names) or len(made.call) < len(taken):
+    if (made := _by_names(cls, own)) is None:
         return ""
-    if {common.function_of(kind), _OF_STATE}.isdisjoint(made.given):
-        return ""
-    if kind == FORCE:
-        made = made._replace(arguments={**made.arguments, **unit_masses(cls)})
-    returns = made.state <= {*called.values()} or "[q, v]" in made.call.values()
+    state = {"y"} if made.kind == FIELD else {"q", "v"}
+    returns = state <= {*made.call.values()} or "[q, v]" in made.call.values()
     if returns:
         made = made.fitted()
     with suppress(Exception):
         kept = made.new()["made"]
-        roles = (calling.POSITION, calling.VELOCITY) if kind == FORCE else (calling.STATE,)
+        roles = (calling.POSITION, calling.VELOCITY) if made.kind == FORCE else (calling.STATE,)
         places = [] if returns else [attribute_of(kept, role) for role in roles]
-        texts = {TIME: "t", STEP: "h"} if kind == FIELD else {STEP: "h"}
+        texts = {TIME: "t", STEP: "h"} if made.kind == FIELD else {STEP: "h"}
         puts = {attribute_of(kept, role): text for role, text in texts.items() if text not in made.given}
         puts.pop("", None)
-        if returns or (all(places) and made.state <= {*made.arguments.values()}):
+        if returns or (all(places) and state <= {*made.arguments.values()}):
             return made._replace(kept=places, puts=puts).line()
     return made.line() if returns else ""
+
+
+def _by_names(cls: type, own: str) -> Made | None:
+    """A class with its method as the names of all arguments tell; None if they do not, or none is a function."""
+    names, taken = required_names(cls) or [], names_taken(cls, own)
+    with_size = calling.names_with_step(cls) or []  # where a class is made with a step size that has a default
+    if STEP not in map(plain_role, taken) and [*(calling.parameters_of(cls) or ())][: len(with_size)] == with_size:
+        names = with_size
+    kind = common.kind_by_names((*names, *taken))
+    given, call = (arguments_by_role(each, kind) for each in (names, taken))
+    inputs = {each for each in taken if each not in call}
+    if kind == FIELD and inputs and inputs <= {*CONTROL_INPUTS}:  # which a step hands on to its function
+        given = {each: _OF_STATE if text == "f" else text for each, text in given.items()}
+        call = {each: call.get(each, "None") for each in taken}
+    if kind == FORCE and {*call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
+        call = {each: "[q, v]" if text == "q" else text for each, text in call.items()}
+    made, functions = (
+        Made(kind, cls, given, call, f".{own}" * (own != "__call__")),
+        {common.function_of(kind), _OF_STATE},
+    )
+    if len(given) < len(names) or len(call) < len(taken) or not functions & made.given:
+        return None
+    return made._replace(arguments={**given, **unit_masses(cls)}) if kind == FORCE else made
 
 
 def put_wrapper(cls: type, made: Any, advance: str) -> str:
@@ -258,24 +276,23 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
     What is given replaces a method that is its force or its right-hand side, or an attribute that holds its force. It
     is "" unless the object is seen to move by what is given, and by nothing else.
     """
+    return next((each.line() for each in _put(cls, made, advance) if each.moves_by()), "")
+
+
+def _put(cls: type, made: Any, advance: str) -> Iterator[Made]:
+    """Yield the object with its state put into it, and what may be its force or its right-hand side."""
     kept = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    method, makes = getattr(cls, advance, None), required_names(cls) or []
+    makes = required_names(cls) or []
     roles = (calling.POSITION, calling.VELOCITY, calling.STATE, STEP, TIME)
     q, v, state, size, time = (attribute_of(made, role).partition(".")[0] for role in roles)
-    if not inspect.isfunction(method) or function_argument(cls) or not (state or (q and v)):
-        return ""
+    if not inspect.isfunction(getattr(cls, advance, None)) or function_argument(cls) or not (state or (q and v)):
+        return
     vector = next((type(x).__name__ for x in kept.values() if hasattr(x, "x") and hasattr(x, "y")), "")
-    kind = FORCE if q and v else FIELD
-    parts = ("q", "v", "force(q)") if vector else ()
+    kind, parts = FORCE if q and v else FIELD, ("q", "v", "force(q)") if vector else ()
     held: Callable[[str], str] = lambda text: f"{vector}({text}, 0.0)" if text in parts else text
-    taken = (calling.names_with_step(method) or [""])[1:]
+    taken, replaced = names_taken(cls, advance), _functions_of(cls)
     call, start = (arguments_by_role(each, kind) for each in (taken, makes))
     start = {each: held(start.get(each, "0.0" if each.lower() in _ASIDE else "1.0")) for each in makes}
-    replaced = {
-        each: (required_names(getattr(cls, each)) or [])[1:]
-        for each in public_methods(cls)
-        if role_of(each, (FUNCTION,)) and not _changes_its_object(getattr(cls, each))
-    }
     pushed = [each for each in kept if each.lower() in PUSHED and kind == FORCE]
     # An input is None, if it is only handed on; the object has its state.
     without = {each: "None" if call.get(each, "y") == "y" else call[each] for each in taken}
@@ -286,17 +303,17 @@ def put_wrapper(cls: type, made: Any, advance: str) -> str:
         timed = any(role_of(each, (TIME,)) for each in replaced.get(name, ()))
         puts = {mass_of(made): "1.0", q: "q", v: "v"} if kind == FORCE else {state: "y", time * timed: "t"}
         puts = {each: held(text) for each, text in (puts | {size: "h", name: function}).items() if each}
-        found = Made(kind, cls, start, call, f".{advance}", places, puts)
-        with suppress(Exception):
-            if found.moves_by():
-                return found.line()
-    return ""
+        yield Made(kind, cls, start, call, f".{advance}", places, puts)
 
 
-def _changes_its_object(method: Any) -> bool:
-    """True if a method sets attributes, as of an integral that it advances, so that it is a part of the step."""
-    code = getattr(method, "__code__", None)
-    return code is not None and any(each.opname == "STORE_ATTR" for each in get_instructions(code))
+def _functions_of(cls: type) -> dict[str, list[str]]:
+    """The methods of a class that are called as a function is, with the names that each takes.
+
+    One that sets attributes, as of an integral that it advances, is a part of the step.
+    """
+    found = [each for each in public_methods(cls) if role_of(each, (FUNCTION,))]
+    found = [each for each in found if all(x.opname != "STORE_ATTR" for x in get_instructions(getattr(cls, each)))]
+    return {each: (required_names(getattr(cls, each)) or [])[1:] for each in found}
 
 
 def _replacing(names: Sequence[str], kind: str, q: str, handed_on: bool) -> str:
@@ -337,79 +354,3 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
     given = {each: each.upper() for each in required_names(cls) or ()}
     call = arguments_by_role(required_names(step) or (), FIELD)
     return f"; write: {Made(FIELD, cls, given, call, method, puts={clock: 't'}).line()}"
-
-
-def class_run_wrapper(cls: type) -> str:
-    """The wrapper of a class with a method for a run; one with tolerances is a whole solver; "" if none is known."""
-    if (run := run_of_class(cls)) is None:
-        return ""
-    if any(calling.word_of(each) in (*calling.TOLERANCE_NAMES[0], "tol") for each in calling.parameters_of(cls) or ()):
-        return common.whole_solver(cls)
-    return run_wrapper(run, required_names(run) or [])
-
-
-def run_of_class(cls: type) -> Callable[..., Any] | None:
-    """The run solve(f, ...) of a class made from f that has a method for it, and maybe one that takes the start.
-
-    It takes what the class and both methods take. What a method that returns nothing leaves in the object is returned
-    as times and states.
-
-    >>> class Euler:
-    ...     def __init__(self, f):
-    ...         self.f = f
-    ...     def set_initial_condition(self, u0):
-    ...         self.u0 = u0
-    ...     def solve(self, span, n):
-    ...         return span, [self.u0, self.u0 + (span[1] - span[0]) * self.f(span[0], self.u0)]
-    >>> run_of_class(Euler)(lambda t, u: -u, 1.0, (0.0, 0.5), 1)
-    ((0.0, 0.5), [1.0, 0.5])
-    """
-    methods = {each: _parameters(getattr(cls, each))[1:] for each in public_methods(cls)}
-    run = next((each for each in _RUNS if each in methods), "")
-    if not run or not function_argument(cls):
-        return None
-    calls = {"": _parameters(cls), run: methods[run]}
-    if not any(map(_begins, chain(*calls.values()))):
-        setter = next((each for each, taken in methods.items() if len(taken) == 1 and _begins(taken[0])), None)
-        if setter is None:
-            return None
-        calls = {"": calls[""], setter: methods[setter], run: methods[run]}
-    left: list[str] = []  # the attributes in which a run leaves what it does not return
-
-    def passed(each: str, given: Mapping[str, Any]) -> dict[str, Any]:
-        return {x.name: given[x.name] for x in calls[each] if x.name in given}
-
-    def solve(*arguments: Any, **named: Any) -> Any:
-        given = inspect.signature(solve).bind(*arguments, **named).arguments
-        found = made = cls(**passed("", given))
-        for each in [*calls][1:]:
-            found = getattr(made, each)(**passed(each, given))
-        if found is None:
-            names = *(each for each in vars(made) if each not in given), *given
-            left[:] = (next(x for x in names if role_of(x, (role,))) for role in (calling.GRID, calling.STATE))
-            found = tuple(getattr(made, each) for each in left)
-        return found
-
-    def written(*texts: str) -> str:
-        given = dict(zip(required_names(solve) or (), texts, strict=True))
-        lines = [f"made.{each}({', '.join(passed(each, given).values())})" for each in calls]
-        lines[0] = lines[0].replace("made.", f"made = {name_of(cls)}", 1)
-        end = f"({', '.join(f'made.{each}' for each in left)})" if left else lines.pop()
-        return f"‹{'; '.join(lines)}›{end}"
-
-    named = {x.name: x.replace(kind=x.POSITIONAL_OR_KEYWORD) for x in chain(*calls.values())}
-    made_run: Any = solve
-    calling.stand_in(made_run, cls, ())
-    made_run.__signature__ = inspect.Signature(sorted(named.values(), key=lambda x: x.default is not x.empty))
-    made_run.written = written
-    return solve
-
-
-def _parameters(code: Callable[..., Any]) -> list[inspect.Parameter]:
-    """What a class or a method takes, but for any number of further arguments."""
-    taken = (calling.parameters_of(code) or {}).values()
-    return [x for x in taken if x.kind not in (x.VAR_POSITIONAL, x.VAR_KEYWORD)]
-
-
-def _begins(taken: inspect.Parameter) -> bool:
-    return calling.word_of(taken.name) in (*calling.STARTS, *calling.ROLES[calling.STATE])

@@ -146,8 +146,7 @@ class _Opening:
     def _as_plain(self) -> ForeignStepper | None:
         """The stepper as a form of numbers one by one, of lists or of records, if nothing says how it is called."""
         forms = chain(plain_forms(self.step), record_forms(self.step)) if self.calls is None else ()
-        options = None, self.array, self.before, self.after
-        return self._first_of(partial(opened, form, *options) for form in forms)
+        return self._first_of(partial(opened, form, None, self.array, self.before, self.after) for form in forms)
 
     def _as_named(self) -> ForeignStepper | None:
         """The stepper with one name of its own, which its values must bear out."""
@@ -308,19 +307,10 @@ def _adapters(
 
 
 @dataclass(frozen=True)
-class Target:
-    """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed.
-
-    Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
-    object makes each step. A `start` says which states it takes.
-    """
+class NamedCode:
+    """Code to examine, a callable or `package.module:name`."""
 
     step: Callable[..., Any] | str
-    calls: str | None = None
-    array: Callable[[Any], Any] | str | None = None
-    keeps: bool = False
-    anew: bool = False
-    start: Start | None = None
 
     @property
     def name(self) -> str:
@@ -333,8 +323,28 @@ class Target:
 
     @property
     def by_name(self) -> bool:
+        """True if another interpreter can import all of it."""
+        return isinstance(self.step, str)
+
+
+@dataclass(frozen=True)
+class Target(NamedCode):
+    """The stepper to examine, and its convention and array maker where needed.
+
+    Where `keeps`, a wrapper in a message replaces nothing of its system. Where `anew`, a copy of an
+    object makes each step. A `start` says which states it takes.
+    """
+
+    calls: str | None = None
+    array: Callable[[Any], Any] | str | None = None
+    keeps: bool = False
+    anew: bool = False
+    start: Start | None = None
+
+    @property
+    def by_name(self) -> bool:
         """True if another interpreter can import the stepper and its array maker."""
-        return isinstance(self.step, str) and not callable(self.array)
+        return super().by_name and not callable(self.array)
 
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -58,30 +59,32 @@ _SHIFT = 2.0**-26
 
 
 def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
-    """The step of f alone that hands on differences of f where a step takes its Jacobian; itself if it takes none.
+    """The code of f alone that hands on differences of f where it needs a Jacobian; itself if it needs none.
 
     >>> def step(f, jac, t, y, h):
     ...     return y + h * f(t, y) / (1 - h * jac(t, y))
     >>> print(with_own_jacobian(step)(lambda t, y: -y, 0.0, 1.0, 1.0))
     0.5
     """
+    parameters = calling.parameters_of(step) or {}
+    needed = calling.required_names(step) or ()
     roles = {
         name: calling.role_of(name, (calling.FUNCTION, calling.JACOBIAN, calling.TIME, calling.STATE))
-        for name in calling.names_with_step(step) or ()
+        for name in needed
     }
-    named = {role: name for name, role in roles.items()}
-    if not {calling.FUNCTION, calling.JACOBIAN, calling.STATE} <= {*named}:
+    named = {role: name for name, role in reversed(roles.items())}
+    if not {calling.FUNCTION, calling.JACOBIAN} <= {*named}:
         return step
-    left, asked = [name for name, role in roles.items() if role != calling.JACOBIAN], [*roles.values()]
-    last = calling.TIME in asked and asked.index(calling.TIME) < asked.index(calling.STATE)
+    f, jacobian = named[calling.FUNCTION], named[calling.JACOBIAN]
+    told = [role for role in roles.values() if role in (calling.TIME, calling.STATE)]
+    left = inspect.Signature([p for name, p in parameters.items() if name != jacobian])
 
-    def stepped(*arguments: Foreign, **given: Foreign) -> Foreign:
-        given = {**dict(zip(left, arguments, strict=False)), **given}
-        jacobian = lambda *at: differences(given[named[calling.FUNCTION]], at, last)
-        return step(**given, **{named[calling.JACOBIAN]: jacobian})
+    def alone(*given: Foreign, **options: Foreign) -> Foreign:
+        named = left.bind(*given, **options).arguments
+        return step(**named, **{jacobian: lambda *at: differences(named[f], at, told[:1] == [calling.TIME])})
 
-    calling.stand_in(stepped, step, left)
-    return stepped
+    calling.stand_in(alone, step, left.parameters.values())
+    return alone
 
 
 def differences(f: Callable[..., Foreign], at: Sequence[Foreign], last: bool) -> Foreign:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -100,46 +100,55 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     given: dict[str, str] = {}
     if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
         given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
-    sized, no_roles = calling.size_name(names), (*calling.matrices(names), *calling.launch(names))
-    likely = {word: i for i, word in enumerate(calling.ROLES[calling.CARRIED])}  # of a and force, the function is last
-    asked = [each for each in names if role_of(each, (FUNCTION,))]
-    slopes = sorted(asked, key=lambda x: likely.get(word_of(x), len(likely)))[:-1]
-    no_roles += tuple(each for each in slopes if word_of(each) in likely)
+    sized, no_roles = calling.size_name(names), _without_role(names)
     for each in (name for name in names if name not in (*given, *no_roles)):
-        wanted = (
-            FUNCTION,
-            STEP,
-            calling.TIME,
-            *((STATE,) if kind == FIELD else (calling.POSITION, calling.VELOCITY, STATE)),
-        )
-        roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
-        if kind != FIELD and "q" in given.values() and STATE in roles:
-            roles.remove(STATE)
-        if kind == FORCE and FUNCTION in roles and any("force" in text for text in given.values()):
-            roles.remove(FUNCTION)
+        roles = [role for role in _open_roles(kind, given) if role != STEP or each == sized]
         role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
-        if role is not None:
-            function = "lambda x: -force(x)" if kind == FORCE and calling.has_gradient([each]) else function_of(kind)
-            given[each] = function if role == FUNCTION else ARGUMENTS[role]
-    open_names = [each for each in names if each not in given]
-    if kind == FIELD:
-        ambiguous = ("a", "b", "alpha") if "h" in given.values() else ()  # are the ends and the start of a run
-        texts = {"y": calling.STARTS, "t": calling.RUN_ENDS[0], "t + h": calling.RUN_ENDS[1], "1": calling.COUNTS}
-        for text, words in texts.items():
-            known = {*words} - {*ambiguous} if text != "1" or "h" not in given.values() else set()
-            if text not in given.values():
-                given |= {each: text for each in open_names if each not in given and word_of(each) in known}
-    given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
-    if kind == FORCE and any("force" in text for text in given.values()):
-        given |= {each: "force(q)" for each in open_names if role_of(each, (calling.CARRIED,))}
+        if role == FUNCTION:
+            given[each] = "lambda x: -force(x)" if kind == FORCE and calling.has_gradient([each]) else function_of(kind)
+        elif role is not None:
+            given[each] = ARGUMENTS[role]
+    for text, words in _further_arguments(kind, {*given.values()}):
+        given |= {each: text for each in names if each not in given and word_of(each) in words}
     if kind != FIELD:
-        ones = calling.UNIT_PARAMETERS if kind == MAP else calling.MASSES
-        given |= {each: "1.0" for each in open_names if word_of(each) in ones}
         given = {each: "0.0" if text == "t" else text for each, text in given.items()}
     if kind == MAP and not {"q", "v"} <= {*given.values()}:
         speeds = [x for x, text in given.items() if text == "v" and word_of(x) not in calling.MOMENTA]  # are no state
         given = {each: "[q, v]" if x in ("q", "v", "y") else x for each, x in given.items() if each not in speeds}
     return {each: given[each] for each in names if each in given}
+
+
+def _without_role(names: Sequence[str]) -> list[str]:
+    """The names of matrices, of a launch, and of what is a slope beside a likelier function: of a and force, the a."""
+    likely = calling.ROLES[calling.CARRIED]  # where the function is last
+    asked = [each for each in names if role_of(each, (FUNCTION,))]
+    slopes = sorted(asked, key=lambda x: likely.index(word_of(x)) if word_of(x) in likely else len(likely))[:-1]
+    return [*calling.matrices(names), *calling.launch(names), *(each for each in slopes if word_of(each) in likely)]
+
+
+def _open_roles(kind: str, given: Mapping[str, str]) -> list[str]:
+    """The roles of a wrapper's arguments that no name has yet; a state is none beside a position."""
+    texts = {*given.values()}
+    states = (STATE,) if kind == FIELD else (calling.POSITION, calling.VELOCITY, *[STATE] * ("q" not in texts))
+    forced = kind == FORCE and any("force" in text for text in texts)
+    roles = (*[FUNCTION] * (not forced), STEP, calling.TIME, *states)
+    return [role for role in roles if ARGUMENTS[role] not in texts]
+
+
+def _further_arguments(kind: str, texts: Collection[str]) -> Iterator[tuple[str, Collection[str]]]:
+    """Yield what a name of no role is given beside these texts, each with the words for it."""
+    if kind == FIELD:
+        sized = "h" in texts
+        ambiguous = {"a", "b", "alpha"} if sized else set()  # are the ends and the start of a run
+        ends = {"y": calling.STARTS, "t": calling.RUN_ENDS[0], "t + h": calling.RUN_ENDS[1]}
+        yield from ((text, {*words} - ambiguous) for text, words in ends.items() if text not in texts)
+        if not sized:
+            yield "1", calling.COUNTS
+    yield "()", _PARAMETERS
+    if kind == FORCE and any("force" in text for text in texts):
+        yield "force(q)", calling.ROLES[calling.CARRIED]
+    if kind != FIELD:
+        yield "1.0", calling.UNIT_PARAMETERS if kind == MAP else calling.MASSES
 
 
 def is_before(name: str) -> bool:

@@ -68,6 +68,7 @@ class Point:
         """The error of the state at the end; infinite if there is none."""
         return self.errors[STATE].final if self.errors else inf
 
+
 _Beside: TypeAlias = Callable[[int], Sequence[int]]
 
 

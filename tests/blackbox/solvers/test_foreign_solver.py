@@ -14,7 +14,6 @@ from driftproof.blackbox.solvers.foreign_solver import (
     ForeignSolver,
     SolverTarget,
     TooSlow,
-    in_binary32,
     taken_by,
 )
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
@@ -158,11 +157,6 @@ def test_a_solver_of_lists_is_opened_with_lists():
         return times, states
 
     assert SolverTarget(euler).open().adapter.name == "lists"
-
-
-def test_numbers_of_binary32_are_told():
-    assert in_binary32([float(np.float32(x)) for x in (0.1, 0.2)])
-    assert not in_binary32([0.1, 0.5])
 
 
 ANSWERS = {

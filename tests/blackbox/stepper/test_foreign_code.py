@@ -60,7 +60,6 @@ def test_nan_in_an_argument_is_no_change_of_it():
 @pytest.mark.parametrize(("answer", "kind", "seen"), [
     (None, NothingReturned, "it returns None, not a pair (q1, v1)"),
     (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
-    (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
     ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
     ((1.0, [2.0, 3.0]), WrongShape, "it returns (1.0, [2.0, 3.0]), not a pair (q1, v1)"),
     (np.zeros(100), WrongShape, "..."),
@@ -70,7 +69,6 @@ def test_nan_in_an_argument_is_no_change_of_it():
     ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
     ((1.0, object()), NotANumber, "entries of type object, not real numbers"),
     ((1.0, float("nan")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, nan"),
-    ((1.0, float("-inf")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, -inf"),
 ])  # fmt: skip
 def test_what_is_no_answer_is_named_in_one_line(answer, kind, seen, as_before):
     with pytest.raises(kind) as caught:

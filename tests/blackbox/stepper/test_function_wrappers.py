@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from driftproof.blackbox.stepper.function_wrappers import class_run_wrapper, run_of_class
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from driftproof.blackbox.verify import verify
 from tests.blackbox.stepper.styles import is_read_as, namespace, pasted
@@ -166,3 +167,29 @@ def test_a_state_of_more_numbers_than_two_is_handed_on_as_it_is():
     assert line == ": def wrapped(y, h): return cart(y, ACTION, h)  # write values for ACTION"
     exec(line[2:].replace("ACTION", "1.0"), names := {"cart": cart})
     assert "is forward_euler on its own" in verify(names["wrapped"], "forward_euler", isolate=False).verdict
+
+
+RUNS = """
+class Adaptive:
+    def __init__(self, f, t0, y0, tf, rtol=1e-6):
+        self.f, self.t, self.y, self.tf = f, t0, y0, tf
+    def step(self):
+        pass
+    def solve(self):
+        return [self.t, self.tf], [self.y, self.y]
+
+class Ball:
+    def __init__(self, x):
+        self.x, self.vx = x, 0.0
+    def update(self, dt):
+        self.x += self.vx * dt
+"""
+
+
+def test_a_solver_with_tolerances_is_run_whole_and_an_object_without_a_run_is_not():
+    names = namespace(RUNS)
+    whole = "identify_solver(Adaptive), on the command line --solver, for a whole solver"
+    assert class_run_wrapper(names["Adaptive"]) == whole
+    assert run_of_class(names["Adaptive"])(abs, 0.0, 1.0, tf=2.0, rtol=1e-3) == ([0.0, 2.0], [1.0, 1.0])
+    assert run_of_class(names["Ball"]) is None
+    assert class_run_wrapper(names["Ball"]) == ""

@@ -3,7 +3,7 @@
 import pytest
 
 from driftproof import field_stepper_of, identify, verify
-from driftproof.blackbox.stepper.made_wrappers import attribute_of, class_run_wrapper, put_wrapper, run_of_class
+from driftproof.blackbox.stepper.made_wrappers import attribute_of, put_wrapper
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import is_read_as, namespace, pasted
 
@@ -152,14 +152,6 @@ class Bashforth(Solver):
 class BashforthOverTimes(Bashforth):
     def solve(self, times):
         return Bashforth.solve(self, (times[0], times[-1]), len(times) - 1)[::-1]
-
-class Adaptive:
-    def __init__(self, f, t0, y0, tf, rtol=1e-6):
-        self.f, self.t, self.y, self.tf = f, t0, y0, tf
-    def step(self):
-        pass
-    def solve(self):
-        return [self.t, self.tf], [self.y, self.y]
 
 class Butterfly:
     def __init__(self, sigma=10.0, dt=0.01):
@@ -382,14 +374,6 @@ def test_a_class_whose_method_is_a_step_of_the_state_is_shown_an_object_of_it():
     assert wrapper_line(names["Springs"]) == ": wrapped = Springs().step"
     assert is_read_as(names["RK"](0.0, 1.0).step, "forward_euler")
     assert is_read_as(names["Springs"]().step, "symplectic_euler")
-
-
-def test_a_solver_with_tolerances_is_run_whole_and_an_object_without_a_run_is_not():
-    names = namespace(CLASSES)
-    whole = "identify_solver(Adaptive), on the command line --solver, for a whole solver"
-    assert class_run_wrapper(names["Adaptive"]) == whole
-    assert run_of_class(names["Adaptive"])(abs, 0.0, 1.0, tf=2.0, rtol=1e-3) == ([0.0, 2.0], [1.0, 1.0])
-    assert run_of_class(names["Ball"]) is class_run_wrapper(names["Ball"]) or not class_run_wrapper(names["Ball"])
 
 
 def test_an_object_that_also_moves_by_what_it_keeps_is_not_shown_so():
