@@ -36,7 +36,7 @@ _ODD_SPAN = (0.1, 1.8)
 _AT_ONE_TIME = 8
 StageRate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
 # The roundings in a coefficient: times h, the difference of two times that it is divided by, and the quotient.
-ROUNDINGS = 4
+ROUNDINGS_READ = 4
 
 
 def stepped(reading: TableauReading, rate: StageRate, t: float, h: float, y: Sequence[float]) -> list[float]:
@@ -183,7 +183,7 @@ class MarkedStep:
             if run.y[self.place + 1][0] and not run.y[self.place][0]:
                 since = self.silent.t[self.place - 1]
                 h = self.start - since
-                near = ROUNDINGS * float(self.format.u) / h  # of times up to 1
+                near = ROUNDINGS_READ * float(self.format.u) / h  # of times up to 1
                 node = coefficient_text((self.silent.calls[n].t - since) / h, self.format, near)
                 if node != "1":
                     said = f"its first slope is that of a call at c = {node} of the step before, not at the end, c = 1"

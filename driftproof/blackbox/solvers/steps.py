@@ -20,7 +20,7 @@ from driftproof.blackbox.probes.scripted_answers import (
 )
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
-from driftproof.blackbox.solvers.marked_steps import ROUNDINGS, MarkedStep, stepped
+from driftproof.blackbox.solvers.marked_steps import ROUNDINGS_READ, MarkedStep, stepped
 from driftproof.blackbox.stepper.array_adapters import as_array
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.schemes import Method, RungeKutta
@@ -111,7 +111,9 @@ class SolverSteps:
         return [*self.identity.lines, *self.order.lines, *other, *shown]
 
     def _shown(self, x: float) -> str:
-        return coefficient_text(x, self.reading.format, ROUNDINGS * float(self.reading.format.u) * max(1.0, abs(x)))
+        return coefficient_text(
+            x, self.reading.format, ROUNDINGS_READ * float(self.reading.format.u) * max(1.0, abs(x))
+        )
 
 
 @once  # two questions about a solver begin with its steps
@@ -160,7 +162,7 @@ def unlike(subject: ForeignSolver, method: RungeKutta) -> str:
         readings = [TableauReading(tuple(map(tuple, a)), tuple(b), tuple(c), fmt) for b in rows]
         own, wrong = 0, list[str]()
         for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
-            h, near = after - t, ROUNDINGS * float(fmt.u) * (abs(t) + abs(after))
+            h, near = after - t, ROUNDINGS_READ * float(fmt.u) * (abs(t) + abs(after))
             if not any(c) or any(all(abs(t + x * h - call.t) > near for call in run.calls) for x in c if x):
                 continue
             own, said = own + 1, [stepped(each, problem.rate, t, h, y) for each in readings]

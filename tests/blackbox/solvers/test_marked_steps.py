@@ -67,7 +67,7 @@ def test_stages_beyond_the_end_are_read_if_they_are_looked_for(nodes):
 
 
 @pytest.mark.parametrize(("solve", "words"), [
-    (twenty(adams_bashforth), "a slope that enters one step enters the next as well, by -0.5 h: it is a multistep method"),
+    (twenty(adams_bashforth), "a slope that enters one step enters the next as well, by -0.5 h: it is a multi"),
     (twenty(lambda: with_a_last_stage(0.75)), "its first slope is that of a call at c = 3/4 of the step before"),
     (twenty(lambda: with_a_jacobian), "with all slopes 0, from y = 0, it calls f at y = 1e-08: differences for a Jac"),
     (lambda f, t_span, y0, *_: ([t_span[0]] * 3, [y0] * 3), "its times do not increase"),
