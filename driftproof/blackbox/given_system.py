@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
-from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,8 @@ from driftproof.blackbox.findings import (
     arithmetic_of,
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
+from driftproof.blackbox.judging.given_comparisons import back, elsewhere, few, near, of_two
+from driftproof.blackbox.judging.given_slopes import GivenSlopes
 from driftproof.blackbox.judging.given_steps import BEFORE, GivenSteps
 from driftproof.blackbox.judging.held_states import SHORT, held_in
 from driftproof.blackbox.judging.own_steps import OwnSteps
@@ -40,17 +41,10 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
-    MASSES,
     ROTATION,
     STATE,
-    TIME,
-    parameters_of,
-    required_names,
-    role_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
-from driftproof.blackbox.stepper.opening import imported
 from driftproof.blackbox.stepper.starts import AS_PARTS
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
@@ -65,8 +59,6 @@ _TAKES_ONE = (
     "a system is given for a step that takes its right-hand side: give a step that keeps its own, or leave the system "
     "out, and all but the right-hand side of the code is judged"
 )
-# What parameters of a step are set to: other than 1 and unlike each other, and products of them exact.
-_VALUES = tuple(n / 16 for n in (20, 14, 22, 13, 18, 23, 15, 19, 17, 21))
 
 
 class LeftAtOne(OwnSystem):
@@ -102,106 +94,6 @@ _MISSING = {
 }
 
 
-@dataclass(frozen=True)
-class _Given:
-    """A system as a function, and its arguments: the time if it takes one, the state, and parameters of the step.
-
-    If it is `by_parts`, y holds the parts of a complex state, which the system takes. `beside` are numbers of the step
-    that the system does not take. `parts` are the places of what it takes by name of a state that a start gives; its
-    slopes may leave these out, if the step keeps them as they are.
-    """
-
-    function: Callable[..., Any]
-    plain: Sequence[str]
-    values: Mapping[str, Any]
-    by_parts: bool = False
-    beside: Mapping[str, Any] = field(default_factory=dict)
-    parts: Mapping[str, int | slice] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, system: Callable[..., Any] | str, subject: ForeignStepper) -> _Given:
-        """The system, with a value for each parameter of the step that it takes by name: those of defaults are kept."""
-        function, kept = imported(system, "system"), _defaults(subject)
-        masses = getattr(subject.function, "masses", None)
-        names = parameters_of(function) or ()
-        taken = [each for each in names if each in {**kept, **subject.parameters}]
-        parts = {each: x for each, x in getattr(subject.function, "later", {}).items() if each in names}
-        plain = [each for each in required_names(function) or ("t", "y") if each not in taken and each not in parts]
-        if len(plain) == 2 and role_of(plain[0], (STATE,)) and not role_of(plain[1], (STATE, TIME)):
-            raise BadInput(f"the system given takes {plain[1]}, which is no parameter of the step")
-        values = zip((each for each in taken if each not in kept), cycle(_VALUES))
-        held = {each: kept[each] for each in taken if each in kept}
-        beside = {} if {*MASSES} & {*held} or masses is None else {"the masses of its bodies": masses}
-        by_parts = getattr(subject.function, "by_parts", False)
-        return cls(function, plain, {**held, **dict(values)}, by_parts, beside, parts)
-
-    @property
-    def words(self) -> str:
-        """The values in words; "" if it takes no parameters."""
-        shown = {**self.beside, **self.values}
-        texts = (f"{name} = {', '.join(f'{each:g}' for each in np.ravel(x))}" for name, x in shown.items())
-        return f" with {'; '.join(texts)}" if shown else ""
-
-    def halved(self, subject: ForeignStepper) -> _Given:
-        """The same system with half of each value that is not a default."""
-        kept = _defaults(subject)
-        return replace(self, values={name: x if name in kept else x / 2 for name, x in self.values.items()})
-
-    def on(self, subject: ForeignStepper) -> ForeignStepper:
-        """The step with these values."""
-        return subject.with_parameters({name: x for name, x in self.values.items() if name in subject.parameters})
-
-    def rates(self, t: float, y: Sequence[float]) -> list[float]:
-        """The slopes. Raises ArithmeticError where it has none, and BadInput if they are not as many as the numbers."""
-        state: Any = as_complex(y) if self.by_parts else np.array(y, float)
-        others, first = {name: state[place] for name, place in self.parts.items()}, np.full(len(y), True)
-        for place in self.parts.values():
-            first[place] = False
-        state = state[first] if others else state
-        given = [t, state] if len(self.plain) > 1 else [state]
-        if len(given) == 2 and role_of(self.plain[1], (TIME,)) and not role_of(self.plain[0], (TIME,)):
-            given.reverse()
-        try:
-            named = dict(zip(self.plain, given, strict=True)) if self.values or others else {}
-            slopes = self.function(*([] if named else given), **named, **self.values, **others)
-            parts = as_reals(slopes) if self.by_parts else slopes
-            several = parts if isinstance(parts, tuple | list) else [parts]
-            found = np.concatenate([np.ravel(np.asarray(each, float)) for each in several])
-            if others and found.size == first.sum():
-                found = np.bincount(np.flatnonzero(first), found, len(y))  # and no slopes of what the step keeps
-        except Exception as error:
-            raise ArithmeticError(f"the system given raises {type(error).__name__}: {error}") from None
-        if found.size != len(y):
-            raise BadInput(f"the system given has {found.size} slopes where a step has {len(y)} numbers")
-        if not np.isfinite(found).all():
-            raise ArithmeticError("the system given is not finite there")
-        return [float(x) for x in found]
-
-    def at(self, y: Array) -> Array:
-        """The slopes of a state at the time 0."""
-        return np.array(self.rates(0.0, y.tolist()))
-
-    def slopes(self, states: Sequence[tuple[float, ...]]) -> dict[tuple[float, ...], Array]:
-        """The slopes at the states at which there are some. Raises BadInput if these are less than two."""
-        slopes, why = dict[tuple[float, ...], Array](), ""
-        for y in states:
-            try:
-                slopes[y] = self.at(np.array(y))
-            except ArithmeticError as error:
-                why = str(error)
-        if len(slopes) < 2:
-            raise BadInput(why)
-        return slopes
-
-
-def _defaults(subject: ForeignStepper) -> dict[str, Any]:
-    """The numbers that are defaults of the step's parameters, and the masses of bodies, under each of their names."""
-    given = parameters_of(getattr(subject.function, "step", subject.function)) or {}
-    masses = dict.fromkeys(MASSES, getattr(subject.function, "masses", None))  # of bodies that attract each other
-    known = {name: x for name, x in masses.items() if x is not None}
-    return {**known, **{name: x.default for name, x in given.items() if isinstance(x.default, int | float)}}
-
-
 def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[ForeignStepper, list[tuple[float, ...]]]]:
     """Yield the step as it takes all numbers of its system, with states; then of other numbers that it may take."""
     first, given = seen_at(subject, domain), subject.convention.order
@@ -217,7 +109,7 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
                 yield found
 
 
-def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: _Given, unit: float) -> str:
+def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: GivenSlopes, unit: float) -> str:
     """How short steps differ from these slopes of the system given; "" if they agree."""
     h = SHORT * unit
     for y, told in slopes.items():
@@ -255,7 +147,7 @@ def _held(
         raise BadInput(f"{_TAKES_ONE}; of one that turns vectors say what they are: {AS_PARTS}")
     if subject.convention.kind != MAP or CARRIED in subject.convention.order:
         raise BadInput(_TAKES_ONE)
-    given, refused, far, limited = _Given.of(system, subject), list[BadInput](), list[str](), False
+    given, refused, far, limited = GivenSlopes.of(system, subject), list[BadInput](), list[str](), False
     others = [given.halved(subject)] * bool(given.values) + [replace(given, by_parts=False)] * given.by_parts
     for each in (given, *others):  # if it has no slopes at numbers above 1, or of a complex state
         for place, (reading, states) in enumerate(_readings(each.on(subject), wanted.domain)):
@@ -301,14 +193,14 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     steps, words = _held(subject, wanted, system)
     method = of_one_state(wanted.method)
     try:
-        found = with_stage_times(steps, wanted, steps.near(wanted, words))
+        found = with_stage_times(steps, wanted, near(steps, wanted, words))
     except MethodError as why_not:
         kind = Unpaired if steps.size % 2 and isinstance(method, Splitting) else OwnSystem
         raise kind(f"steps of {wanted.method.key} on it are not known: {why_not}") from None
     if not found.holds and steps.held.divided:
         stages = replace(steps, rates=lambda t, y: steps.rates(t, steps.held.put(y)))
         with suppress(MethodError):
-            if (other := stages.near(wanted, words)).holds:
+            if (other := near(stages, wanted, words)).holds:
                 raise OwnSystem(
                     f"its stages are divided by their length as well; with a system that does so it {other.words}"
                 )
@@ -320,7 +212,7 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     if found.holds and steps.untimed:
         seen = f"at t = 0, which alone is seen, it {found.words}"
         raise NoClock(f"the system given depends on t, which the step does not take: {seen}")
-    left = [name for name in subject.parameters if name not in _Given.of(system, subject).values]
+    left = [name for name in subject.parameters if name not in GivenSlopes.of(system, subject).values]
     if found.holds and left:
         names = ", ".join(left)
         raise LeftAtOne(f"with {names} set to 1, where a mistake in their use does not show, it {found.words}")
@@ -343,7 +235,7 @@ def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[.
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
-    found = steps.elsewhere(wanted)
+    found = elsewhere(steps, wanted)
     limits = (
         f"--largest-step and {'--start' if wanted.domain.begins else '--largest-state'}, in Python domain=Domain(...)"
     )
@@ -354,17 +246,17 @@ def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
 def _forms(steps: GivenSteps, wanted: Specification) -> StepFinding:
     if wanted.domain.begins or hasattr(steps.subject.function, "begun"):
         return StepFinding(None, "an object, or a start, has one form of state")
-    return state_objects(steps.subject, wanted, steps.few)
+    return state_objects(steps.subject, wanted, partial(few, steps))
 
 
 def _checked(
     steps: GivenSteps, wanted: Specification, check: Callable[[ForeignStepper], Sequence[CheckResult]]
 ) -> Sequence[CheckResult]:
-    return [] if wanted.domain.begins else check(steps.of_two)
+    return [] if wanted.domain.begins else check(of_two(steps))
 
 
 # Further questions, by the titles of those that are asked without a system.
-_FURTHER = {ELSEWHERE: _elsewhere, BACK: GivenSteps.back, STATE_FORMS: _forms}
+_FURTHER = {ELSEWHERE: _elsewhere, BACK: back, STATE_FORMS: _forms}
 
 
 def report_on_system(

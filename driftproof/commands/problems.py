@@ -45,7 +45,7 @@ def stability_command(options: Namespace) -> str:
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title; if f changes it, errors are differences
                                             from that of the solution
       parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters;
-                                            another one with --parameters g=1.62
+                                            another one with --parameters g=1.62; start and end may have them, too
     or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
     instead of rates: function = "mylib.models:pendulum", your own f(t, y), with the parameters as keyword arguments
     """

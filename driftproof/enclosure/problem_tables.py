@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -43,6 +43,7 @@ from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 
 # Bits with which an expression is evaluated, far more than the 53 of the double that is wanted.
 _BITS = 256
+_WORD = re.compile(r"[^\W\d]\w*")
 # Of an end that is written as a number, and is not the double nearest to one, the denominator is less.
 _OF_DOUBLES = 2**30
 # Values of some parameters by name, as a mapping or as pairs.
@@ -113,12 +114,34 @@ def with_parameters(table: TomlTable, parameters: GivenParameters, name: str = "
 def _of_table(table: TomlTable) -> GivenTable:
     require_keys(table, PROBLEM_KEYS, "a right-hand side")
     f = _function(table) if "function" in table else field_of_table(table)
-    end = nearest(number_entry(table["end"], "end")) if "end" in table else None
+    end = nearest(stated_number(table, table["end"], "end")) if "end" in table else None
     return GivenTable(f, tuple(map(nearest, _start(table))) if "start" in table else None, end)
 
 
 def _start(table: TomlTable) -> tuple[CertifiableReal, ...]:
-    return tuple(number_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+    given = start_of_table(table)
+    return tuple(stated_number(table, x, where) for x, where in zip(given, places_of_start(table, given), strict=True))
+
+
+def places_of_start(table: TomlTable, given: Sequence[object]) -> list[str]:
+    """The name of each number of a start, as the table has it."""
+    unknowns = unknowns_of_table(table)
+    named = len(unknowns) == len(given)
+    return [f"start.{unknowns[i]}" if named else f"start[{i}]" for i in range(len(given))]
+
+
+def stated_number(table: TomlTable, value: object, where: str) -> CertifiableReal:
+    """The number of a start or an end, as `number_entry` reads it; parameters of the table may stand in its text.
+
+    Raises ValueError.
+    """
+    written = dict[str, str]()
+    own: Callable[[str], str] = lambda text: _WORD.sub(lambda word: written.get(word[0], word[0]), text)
+    for name, x in as_table(table.get("parameters", {}), "parameters").items():
+        written[name] = f"({own(str(x))})"
+    if not isinstance(value, str) or own(value) == value:
+        return number_entry(value, where)
+    return number_entry(own(value), f"{where}, {quoted(value)} with parameters,")
 
 
 def as_toml(value: Any) -> Any:
@@ -150,7 +173,7 @@ def _keywords(own: RightHandSide, table: TomlTable) -> dict[str, Any]:
         taken = signature(own).parameters
         texts = [*map(str, table.get("parameters", {}).values()), str(table.get("energy", ""))]
         if not any(each.kind is each.VAR_KEYWORD for each in taken.values()):
-            written = {name for text in texts for name in re.findall(r"[^\W\d]\w*", text)} - {*taken}
+            written = {name for text in texts for name in _WORD.findall(text)} - {*taken}
             return {name: value for name, value in arguments.items() if name not in written}
     return arguments
 
@@ -159,7 +182,7 @@ def _field(table: TomlTable, start: Sequence[Fraction]) -> VectorField:
     components = len(start)
     if "function" in table:
         f = _function(table)
-        end = nearest(number_entry(table.get("end", 1), "end"))
+        end = nearest(stated_number(table, table.get("end", 1), "end"))
         return reproduced_field(f, lambda: field_of_function(f, components), start, end)
     field = field_of_table(table)
     if len(field.rates) != components:

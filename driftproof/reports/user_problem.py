@@ -28,8 +28,9 @@ from driftproof.enclosure.problem_tables import (
     GivenParameters,
     as_toml,
     nearest,
-    number_entry,
+    places_of_start,
     problem_table,
+    stated_number,
     with_parameters,
 )
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
@@ -119,8 +120,8 @@ def names_problem(given: object) -> bool:
 
 def _problem(table: TomlTable, name: str) -> Problem:
     field, given, energy, unknowns = problem_table(table)
-    places = [f"start.{unknown}" for unknown in unknowns] or [f"start[{i}]" for i in range(len(given))]
-    exactly = {"end": number_entry(table.get("end"), "end"), **dict(zip(places, given, strict=True))}
+    exactly = {"end": stated_number(table, table.get("end"), "end")}
+    exactly |= dict(zip(places_of_start(table, given), given, strict=True))
     end, *start = map(nearest, exactly.values())
     if end <= 0:
         raise ValueError(f"end is {brief(end)}; it must be above 0, where problems begin")

@@ -23,6 +23,15 @@ def test_function_and_rates_give_one_field_with_the_energy_in_doubles():
     assert code.energy == "((y1 * y1) / 2) + ((1 / 2) * (y0 * y0) / 2)"
 
 
+def test_parameters_stand_in_a_start_and_an_end():
+    table = {"rates": {"x": "v", "v": "-x"}, "start": {"x": "a*(1-e)", "v": "a"}, "end": "10*b"}
+    values = {"a": "2", "e": "1/4", "b": "a/8"}
+    given = given_problem({**table, "parameters": values}, {"e": "1/2"})
+    assert (given.start, given.end) == ((Q(1), Q(2)), Q(5, 2))
+    with pytest.raises(ValueError, match=re.escape("start.x, 'a*(1-e)' with parameters, is '(2)*(1-e)'; write a num")):
+        problem_table({**table, "parameters": {"a": "2"}})
+
+
 def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
     spring = {"rates": ["y1", "-k * y0"], "parameters": {"k": 0.5, "c": 1}}
     assert dict(given_problem(spring, {"k": "1/3"}).f.parameters) == {"k": Q(1, 3), "c": Q(1)}

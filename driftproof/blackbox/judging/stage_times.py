@@ -11,7 +11,8 @@ from dataclasses import replace
 from itertools import product
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding
-from driftproof.blackbox.judging.given_steps import SMALL, GivenSteps
+from driftproof.blackbox.judging.given_comparisons import SMALL, longer
+from driftproof.blackbox.judging.given_steps import GivenSteps
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, ends_in_words
 from driftproof.blackbox.judging.programs import MOST_UNKNOWNS, StepSeen, Unsettled
@@ -57,7 +58,7 @@ def _by_longer_steps(steps: GivenSteps, wanted: Specification) -> tuple[bool | N
     """
     method, shown = of_one_state(wanted.method), 0
     allowed = steps.half + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
-    for t, at, by, h in product(steps.times, steps.states, (1.0, SMALL), steps.longer(wanted)):
+    for t, at, by, h in product(steps.times, steps.states, (1.0, SMALL), longer(steps, wanted)):
         y = [steps.number(x * by) for x in at]
         with suppress(Misbehaviour, ArithmeticError):
             told, ahead = (_solved(each, method, t, y, h) for each in (steps, steps.later(h)))

@@ -27,8 +27,9 @@ from driftproof.blackbox.solvers.attempts import (
     settled_steps,
 )
 from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
+from driftproof.blackbox.solvers.marked_steps import StageRate, stage_slopes
 from driftproof.blackbox.solvers.step_size_law import FORGOTTEN, Law, LawPoint, exceptions, fitted_law, is_close, shown
-from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
+from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
