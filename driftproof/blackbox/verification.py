@@ -175,23 +175,29 @@ class Refutation:
             yield f"is not {key}: its answers change from call to call: {again.words}"
         if seen.right_form and not self.instead.report.data["method"]:
             yield f"is not {key}; {seen.right_form}"
-        failing = seen.rounding and order.passed is not False and seen.rounding.failing
-        if failing and seen.rounding:
-            habit = seen.rounding.but_for
-            if habit and (coefficients.passed is not False or habit not in HABITS):
-                yield f"is not {key} {seen.how_near}; it is, {habit}"
-            if coefficients.passed and failing.answer is not None:
-                if any(check.key == MEMORY and check.is_fault for check in self.instead.seen.checks):
-                    yield f"is not {key}: {agrees} {CALL_BEFORE}"
-                off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
-                as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
-                still = [check.words for check in self.instead.seen.checks if check.what == ROUNDED]
-                sums = "".join(f"; {words}, as weights of states that do not sum to 1 do" for words in still)
-                yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}{sums}"
+        if order.passed is not False:
+            yield from self._beyond_the_bound(coefficients.passed, agrees)
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
             names = f"{', '.join(found.worst.wrong)} {'is' if len(found.worst.wrong) == 1 else 'are'}"
             yield f"is not {key}: {agrees} on {found.problem}, {names} not what the coefficients give"
+
+    def _beyond_the_bound(self, same_coefficients: bool | None, agrees: str) -> Iterator[str]:
+        """Yield the verdicts on a step that is off by more than rounding: but for a habit, or by how many bounds."""
+        seen, key = self.seen, self.seen.method.key
+        if not seen.rounding or not (failing := seen.rounding.failing):
+            return
+        habit, checks = seen.rounding.but_for, self.instead.seen.checks
+        if habit and (same_coefficients is not False or habit not in HABITS):
+            yield f"is not {key} {seen.how_near}; it is, {habit}"
+        if same_coefficients and failing.answer is not None:
+            if any(check.key == MEMORY and check.is_fault for check in checks):
+                yield f"is not {key}: {agrees} {CALL_BEFORE}"
+            off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
+            as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
+            still = [check.words for check in checks if check.what == ROUNDED]
+            sums = "".join(f"; {words}, as weights of states that do not sum to 1 do" for words in still)
+            yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}{sums}"
 
     def _explanations(self) -> Iterator[str]:
         """Yield the verdicts by the name that the stepper has, or by a mistake that gives its steps."""

@@ -85,28 +85,41 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     others = {name: word for name, word in given.items() if word in calling.UNIT_PARAMETERS and name not in masses}
     names = {*(calling.parameters_of(subject.function) or ()), *adapter.parts}
     momentum = bool(masses and (names & {*calling.MOMENTA} or (calling.STATE in found.order and not adapter.parts)))
-
-    def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
-        changed = subject.with_parameters(values)
-        convention = replace(changed.convention, factor=factor * found.factor)
-        return _Reading(values, replace(changed, convention=convention), rate, scale)
-
     if found.kind == calling.FORCE and masses:
-        if masses[0] in found.extra:
-            mass = found.extra[masses[0]] / 4
-            convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
-            yield [_Reading({masses[0]: mass}, replace(subject, convention=convention), 1.0, 1.0)]
-        else:
-            sizes = (1.0, *[2.0] * momentum)
-            yield [reading({masses[0]: 2.0}, 1.0, scale, factor) for factor in (2.0, 1.0) for scale in sizes]
+        yield _of_forces(subject, masses, momentum)
     elif found.kind == calling.MAP and (masses or others):
-        mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
-        values = dict.fromkeys(masses, mass) | {
-            x: 4 * mass if word in calling.STIFFNESSES else 2.0 for x, word in others.items()
-        }
-        scales = [(rate, rate * m) for rate in rates for m in (1.0, *[mass] * momentum)]
-        yield [reading(values, *each) for each in scales]
-        if masses and {*others.values()} <= {*calling.STIFFNESSES}:  # whole numbers, whose quotient is 1/4
-            heavy, rates = (8, (0.5,)) if others else (4, rates)
-            whole = dict.fromkeys(masses, heavy) | dict.fromkeys(others, 2)
-            yield [reading(whole, rate, rate * m) for rate in rates for m in (1.0, *[heavy] * momentum)]
+        yield from _of_oscillators(subject, masses, others, momentum)
+
+
+def _reading(
+    subject: ForeignStepper, values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0
+) -> _Reading:
+    changed = subject.with_parameters(values)
+    convention = replace(changed.convention, factor=factor * subject.convention.factor)
+    return _Reading(values, replace(changed, convention=convention), rate, scale)
+
+
+def _of_forces(subject: ForeignStepper, masses: Sequence[str], momentum: bool) -> list[_Reading]:
+    """What a step that takes its force may be with another mass."""
+    found = subject.convention
+    if masses[0] in found.extra:
+        mass = found.extra[masses[0]] / 4
+        convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
+        return [_Reading({masses[0]: mass}, replace(subject, convention=convention), 1.0, 1.0)]
+    sizes, factors = (1.0, *[2.0] * momentum), (2.0, 1.0)
+    return [_reading(subject, {masses[0]: 2.0}, 1.0, scale, factor) for factor, scale in product(factors, sizes)]
+
+
+def _of_oscillators(
+    subject: ForeignStepper, masses: Sequence[str], others: Mapping[str, str], momentum: bool
+) -> Iterator[list[_Reading]]:
+    """What a step of an oscillator may be with another mass, stiffness or frequency; then with whole numbers."""
+    mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
+    values = dict.fromkeys(masses, mass)
+    values |= {x: 4 * mass if word in calling.STIFFNESSES else 2.0 for x, word in others.items()}
+    scales = [(rate, rate * m) for rate in rates for m in (1.0, *[mass] * momentum)]
+    yield [_reading(subject, values, *each) for each in scales]
+    if masses and {*others.values()} <= {*calling.STIFFNESSES}:  # whole numbers, whose quotient is 1/4
+        heavy, rates = (8, (0.5,)) if others else (4, rates)
+        whole = dict.fromkeys(masses, heavy) | dict.fromkeys(others, 2)
+        yield [_reading(subject, whole, rate, rate * m) for rate in rates for m in (1.0, *[heavy] * momentum)]
