@@ -139,10 +139,10 @@ def of_proofs(problem: Problem) -> str:
     """What must be said of proofs on a linear problem: of which numbers they are, or why there are none; else ""."""
     constants = [f"{name} = {float(x)!r}" for name, x in problem.field.parameters if not isinstance(x, Fraction)]
     if problem.matrix is not None:
-        said = ["of the difference of two solutions, which what f adds at a time leaves as it is"]
+        said = ["of the difference of two solutions, from whose slopes b(t) drops out"]
         said = said * (not problem.field.autonomous)
         said += [f"with {', '.join(constants)}, the double of the runs"] if constants else []
-        return f"proved: {'; '.join(said)}" if said else ""
+        return f"Proved {'; '.join(said)}" if said else ""
     wanted = f"solutions that do not grow, at most {MOST_PROVED} components, slopes of + - * / of numbers and pi"
     linear = problem.field.linear and any(problem.field.dependence())
     return f"Linear, but nothing is proved: that takes {wanted}" if linear else ""

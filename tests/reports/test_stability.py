@@ -49,7 +49,7 @@ def test_a_run_on_another_branch_is_told_and_one_that_follows_or_has_one_root_is
     [
         (
             "-2*pi*y0",
-            r"\nrk4 +h <= 0\.4432932385\.\.\. +up to 0\.4432932386 [^~]*\nproved: with pi = 3\.141592653589793, the",
+            r"\nrk4 +h <= 0\.4432932385\.\.\. +up to 0\.4432932386 [^~]*\nProved with pi = 3\.141592653589793, the",
         ),
         ("-sqrt(2)*y0", r"\nrk4 +1 +16384\nback.*\n\nLinear, but nothing is proved: that takes solutions"),
         ("-1000000000000*y0", r"\nbackward_euler +every h > 0 +up to 1\.\d+, the largest tried"),  # up to t and more

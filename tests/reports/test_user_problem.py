@@ -229,7 +229,7 @@ def test_affine_problem_has_the_proofs_of_its_linear_part_and_runs_of_its_own():
     for a, b, c in exactly(3, zip(*(each["methods"] for each in told), strict=True)):
         for key in ("limit", "attained", "seen"):
             assert a[key] == b[key] == c[key]
-    assert ["proved: of the difference of two solutions" in str(each) for each in told] == [False, False, True]
+    assert ["Proved of the difference of two solutions" in str(each) for each in told] == [False, False, True]
     asked = {"-y0": True, "1 - y0": False, "sin(t) - y0": False}
     assert {rate: is_oscillator(problem_given(springs | {"rates": ["y1", rate]})) for rate in asked} == asked
 
