@@ -166,7 +166,7 @@ def digits_told(number: TextNumber, text: str) -> int:
 
 
 def _spelling_pattern(spelling: str) -> str:
-    """A regular expression for one spelling that also allows digit groups, ×10^ or ·10^ for e, and .5 for 0.5."""
+    """A regular expression for one spelling: it also allows a plus, digit groups, ×10^ or ·10^ for e, .5 for 0.5."""
     match = _DECIMAL.fullmatch(spelling)
     if match is None:
         return _literal_pattern(spelling)
@@ -174,7 +174,7 @@ def _spelling_pattern(spelling: str) -> str:
     if (groups := re.sub(r"(?<=[0-9])(?=(?:[0-9]{3})+\Z)", ",", whole)) != whole:
         whole = f"(?:{whole}|{groups}|{groups.replace(',', chr(39))})"
     whole = "0?" if whole == "0" and rest else whole
-    text = f"{match['sign']}{whole}" + (rf"\.{rest}" if rest else "")
+    text = f"{match['sign'] or '[+]?'}{whole}" + (rf"\.{rest}" if rest else "")
     if exponent is None:
         return text
     sign, raised = ("-", exponent) if exponent.startswith("-") else (r"\+?", exponent)

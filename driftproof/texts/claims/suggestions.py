@@ -127,6 +127,8 @@ class Suggestions(LookAlikes):
             return False
         if known.rank < 2 and here.is_of_another(known.question):
             return False
+        if "error" in known.question.rpartition(":")[2] and spelled(number) == f"-{slip}":  # a difference has a sign
+            return False
         if known.stated and (here.is_of_others(known.question) or self._is_kept_energy(known, number) > here.own):
             return False
         # The force at the start, which a code may need once more, is no slip.

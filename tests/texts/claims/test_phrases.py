@@ -48,6 +48,7 @@ STANDS = [
     ("{value} steps", "123456", "123'456 steps", ["1234'56 steps", "123,'456 steps"]),
     ("in {value} steps", "5651", "in 5,651 steps", ["in 56,51 steps", "in 5651.0 steps", "in 5 651 steps"]),
     ("in {value} steps", "5651", "in 5\u202f651 steps", ["in 5\u202f652 steps"]),
+    ("is {value}", "0.75", "is +0.75.", ["is -0.75.", "is 2+0.75.", "is ++0.75."]),
     ("is {value}", "3.3e-4", "is 3.3×10⁻⁴.", ["is 3.3×10⁻³.", "is 3.3×10⁴.", "is 3.3"]),
     ("is {value}", "3.3e-4", "is 3.3e-04", ["is 3.3e-05", "is 3.3e-40", "is 3.3e4"]),
     ("is {value}", "3.3e-4", "is 3.3E-004", ["is 3.3E-0004", "is 3.3E-005"]),

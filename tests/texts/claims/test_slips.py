@@ -31,6 +31,12 @@ def test_a_table_of_one_run_has_one_step_size_and_a_value_of_another_one_is_a_sl
     assert claimed["-1.106295"] == ""
 
 
+def test_a_difference_may_have_its_sign_where_an_error_is_asked():
+    house = "A house cools by T' = -0.2 (T - 3), T(0) = 21. With h = 1, the signed error T_5 - T(5) is {} for Euler."
+    assert strong_and_slips(house.format("-0.7236"))[-1] == ("-0.7236", False, [])
+    assert strong_and_slips(house.format("0.7263"))[-1] == ("0.7263", False, ["0.7236"])
+
+
 BEAD = "A bead has x'' = x - x^3, x(0) = 0.5, x'(0) = 0. Errors of the state at t = 4, with h = 0.1:\n\n"
 
 
