@@ -24,6 +24,7 @@ from driftproof.support.plain_text import Json
 
 # Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
+_FEWEST = 3  # of them tell laws apart
 # The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
 _LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
 _SIZE = 16.0  # of numbers whose rounding is no loss
@@ -158,14 +159,19 @@ def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, A
     for h in _STEPS:
         values, vectors = np.linalg.eig(seen[h].astype(complex))
         grown = float(np.linalg.cond(vectors))
-        if not grown < _WORST or any(x.imag == 0 and x.real <= 0 for x in values):
+        if not grown < _WORST:
             return ""
+        if any(x.imag == 0 and x.real <= 0 for x in values):  # in a long step, as where 1 - c h is 0 or less
+            continue
         rate = vectors @ np.diag(rate_of(values, h)) @ np.linalg.inv(vectors)
         told.append((rate, rounding.of(2.0 / h) * grown))
+    if len(told) < _FEWEST:
+        return ""
     (first, slack), *others = told
     if any(np.abs(rate - first).max() > slack + more for rate, more in others):
         return ""
-    return text.format(c=_shown(first.real, lambda x: coefficient_text(x, rounding.format, slack), slack))
+    shown = _shown(first.real, lambda x: coefficient_text(x, rounding.format, slack), slack)
+    return text.format(c=shown) if shown != "1" else text.replace("{c} ", "")
 
 
 def _velocity_factor(subject: ForeignStepper, h: float) -> Array:

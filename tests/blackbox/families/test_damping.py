@@ -52,7 +52,9 @@ LAWS = [
     (lambda h: 1 / (1 + h / 4), "1/(1 + 1/4 h)", 0.25),
     (lambda h: (1 - h / 8) / (1 + h / 8), "(1 - 1/4 h/2)/(1 + 1/4 h/2)", 0.25),
     (lambda h: 1 / (1 + h / 4) ** 2, "a function of h that is none of exp(-c h)", 0.5),
-    (lambda h: 1 - h, "a function of h that is none of exp(-c h), 1 - c h", 1),  # with 0 at h = 1
+    (lambda h: 1 - h, "multiplied by 1 - h, which", 1),  # with 0 at h = 1
+    (lambda h: 1 - 3 * h, "multiplied by 1 - 3 h, which", 3),
+    (lambda h: 1 - 9 * h, "a function of h that is none of exp(-c h), 1 - c h", 9),  # below 0 in most steps
 ]
 
 
