@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from copy import copy
 from itertools import permutations
 from typing import Any
+
+import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.function_wrappers import gradients_of
 from driftproof.blackbox.stepper.wrapper_parts import (
+    TRIAL_ARGUMENTS,
     arguments_by_role,
     called_with,
     is_before,
+    kind_by_names,
     plain_role,
 )
 
@@ -41,13 +47,28 @@ def named_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     tried = unknown != [] and len(unknown) <= _MOST and calling.size_name(names) != ""
     for usual in permutations(missing, len(unknown)) if tried else ():
         if "f" in usual or calling.FUNCTION in known:
-            yield renamed(step, names, dict(zip(unknown, usual, strict=True)))
+            form = renamed(step, names, dict(zip(unknown, usual, strict=True)))
+            if "t" not in usual or not _depends_on_t(form):
+                yield form
 
 
 def renamed(step: Callable[..., Any], names: Sequence[str], usual: Mapping[str, str]) -> Callable[..., Any]:
     """The step whose arguments have these usual names in place of their own."""
     own = {each: usual.get(each, each) for each in names}
     return called_with(step, names, own, [*own.values()])
+
+
+def _depends_on_t(form: Callable[..., Any]) -> bool:
+    """True if what it takes for the time changes its answer, though no force or slope depends on that: it is none."""
+    names = calling.names_with_step(form) or []
+    given = arguments_by_role(names, kind_by_names(names))
+    with suppress(Exception):
+        ends = []
+        for t in (0.0, 0.5):
+            known = {key: copy(x) for key, x in TRIAL_ARGUMENTS.items()} | {"t": t, "0.0": t}
+            ends.append(form(*(known[given[each]] for each in names)))
+        return not all(np.array_equal(x, y) for x, y in zip(*map(np.atleast_1d, ends), strict=True))
+    return False
 
 
 def _is_known(name: str) -> bool:

@@ -1,5 +1,7 @@
 """Steps with names of their own are opened by what they call and return; a wrong one is a wrong step."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -119,6 +121,17 @@ def test_beside_a_jacobian_the_state_may_have_any_name(step):
     exact = Allowance(solver_tolerance=1e-10)
     found = verify(step, "backward_euler", examples=30, allowance=exact, isolate=False)
     assert found.passed is (step is newton), found.text()
+
+
+def damped(force, x, v, c, dt):
+    v = v + dt * (force(x) - c * v)
+    return x + dt * v, v
+
+
+def test_what_changes_an_answer_without_a_clock_is_not_taken_for_the_time():
+    wrapper = "write: def wrapped(force, q, v, h): return damped(force, q, v, C, h)  # write values for C"
+    with pytest.raises(BadInput, match=re.escape(wrapper)):
+        opened(damped)
 
 
 def test_what_is_no_state_is_not_taken_for_one():
