@@ -202,8 +202,10 @@ class NamedPlaces:
             meant = [[known for known in self._meant_at(x) if known.stated] for x in told]
             tables[table] += [pair for pair in zip(told, meant, strict=True) if pair[1]]
         for of in tables.values():
-            right = (known in self.values.written_like(x) for x, meant in of for known in meant)
-            if len(of) >= _FEWEST_OFF and not any(right):
+            alike = [(self.values.written_like(x), meant) for x, meant in of]
+            right = any(known in found for found, meant in alike for known in meant)
+            others = sum(bool(found) for found, _ in alike)  # of which half are something else, such as orders
+            if len(of) >= _FEWEST_OFF and not right and 2 * others < len(of):
                 yield [x for x, _ in of], of[0][1][0]
 
     def says_all(self, number: TextNumber) -> bool:

@@ -96,6 +96,29 @@ def test_a_table_without_a_right_number_is_of_another_problem():
         assert [x.text for numbers in tables for x in numbers] == off
 
 
+ORDERS = """Forward Euler and Heun on T' = -0.2 (T - 3), T(0) = 21 with h = 1:
+
+| t | Euler | Heun |
+| 5 | 8.8982 | 9.6733 |
+
+The error at t = 5:
+
+| h | Euler | Heun |
+| 1 | 0.72359 | 0.0514872 |
+| 0.5 | 0.34562 | 0.0119078 |
+
+The observed order is the binary logarithm of the ratio of two errors that follow each other:
+
+| h | Euler | Heun |
+| 1 to 0.5 | 1.066 | 2.112 |
+| 0.5 to 0.25 | 1.031 | 2.055 |
+"""
+
+
+def test_a_table_whose_numbers_are_something_else_is_not_said_to_be_off():
+    assert [*Suggestions(ORDERS).tables_off()] == []
+
+
 def test_orders_of_a_list_are_those_of_its_methods():
     said = "Implicit Euler and trapezoidal rule have orders {} and {}."
     assert strong_and_slips(said.format(1, 2)) == [("1", True, []), ("2", True, [])]
