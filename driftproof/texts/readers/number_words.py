@@ -50,8 +50,9 @@ _CHANGES = "|".join(f"{_TRENDS[1]} {_TRENDS[-1]}".split())
 _CHANGE = re.compile(rf"\b(?:{_CHANGES})\b", re.IGNORECASE)
 # Every word that a number could stand for, and neither, as in "neither A- nor L-stable".
 _MULTIPLIES = r"halve[sd]|doubled|doubles|tripled|triples|quadrupled|quadruples|quartered|quarters|neither"
-_TOO = "(?<=too )(?:high|large|low|small)"
-_READ = re.compile(rf"\b(?:{WORDED_NUMBER}|{_CHANGES}|{_MULTIPLIES}|{_TOO})\b", re.IGNORECASE)
+_TOO = "(?<=too )(?:high|large|low|small|warm|hot|cold|cool|fast|slow|early|late|long|short|far|near)"
+_ESTIMATED = "(?:over|under)(?:estimate[sd]?|shoots?)"
+_READ = re.compile(rf"\b(?:{WORDED_NUMBER}|{_CHANGES}|{_MULTIPLIES}|{_TOO}|{_ESTIMATED})\b", re.IGNORECASE)
 # "one" by itself is more often a pronoun; it counts after a word for counting.
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
 

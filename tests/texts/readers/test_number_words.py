@@ -49,6 +49,7 @@ READ = {
     "someone weighs anthony's tent": [],
     "a thousand and\none": ["a thousand"],
     "h halved halves two halves; neither is quartered": ["halved", "halves", "two halves", "neither", "quartered"],
+    "too cold, cold; Heun overestimates it, an underestimate": ["cold", "overestimates", "underestimate"],
 }
 
 
