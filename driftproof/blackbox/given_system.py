@@ -231,7 +231,8 @@ def _of(
 
 def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> tuple[str, ...]:
     """The mistakes in the method that give its steps on the system given, also where short steps go otherwise."""
-    return mistakes_on(_held(subject, wanted, system, anyway=True)[0], wanted)
+    steps, _ = _held(subject, wanted, system, anyway=True)
+    return mistakes_on(steps, wanted) or mistakes_on(replace(steps, newton=True), wanted)
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:

@@ -44,7 +44,7 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
     for t, share, y in product(own.times, COMPARED, [*own.states, *([] if start or own.held.limits else near)]):
         h = min(share * own.unit, wanted.domain.largest_step)
         try:
-            one = own.beside(wanted, t, y, h)
+            one = _beside(own, wanted, t, y, h)
             held.append(one)
             if one.limit:
                 continue
@@ -73,6 +73,14 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
     told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}{own.held.words}, {digits}{rough}"
     told += _within(own, start, refused) if start else ""
     return StepFinding(True, "; ".join([told, *_held(held)]))
+
+
+def _beside(own: GivenSteps, wanted: Specification, t: float, y: Sequence[float], h: float) -> Beside:
+    """A step beside the method's; its stages are solved by Newton's method where iterations do not settle."""
+    try:
+        return own.beside(wanted, t, y, h)
+    except ArithmeticError:
+        return replace(own, newton=True).beside(wanted, t, y, h)
 
 
 def _within(own: GivenSteps, start: Start, refused: Sequence[str]) -> str:

@@ -20,6 +20,7 @@ from driftproof.blackbox.judging.held_states import UNHELD, Held, how_held
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, OwnSteps, ends_in_words, table_step
+from driftproof.blackbox.judging.programs import MOST_UNKNOWNS, StepSeen, Unsettled
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.whole_states import TIMES
 from driftproof.blackbox.matching.tables import Array
@@ -35,6 +36,8 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKu
 _SAMPLES, _ROUNDED, _WORST = 8, 16, 4
 # Stages are iterated until they change by no more: far above the rounding of sums, and below the tolerance of solvers.
 _SETTLED = 2.0**-44
+# Newton's iterations: from a state at which an exponential is 2**64, each gains a factor e; and where they settle.
+_ROUNDS_OF_NEWTON, _SOLVED = 48, 2.0**-40
 # A force that depends on a velocity shows it in one that is larger by this part, which a start hardly leaves.
 _FASTER = 2.0**-6
 _LEAST = 2.0**-1022  # the smallest normal double: what is allowed may be 0
@@ -71,11 +74,15 @@ class Beside(NamedTuple):
 
 @dataclass(frozen=True)
 class GivenSteps(OwnSteps):
-    """The steps of a stepper, and the slopes of the system that it should have."""
+    """The steps of a stepper, and the slopes of the system that it should have.
+
+    With `newton` implicit stages are solved by Newton's method where iterations do not settle.
+    """
 
     rates: Callable[[float, Sequence[float]], list[float]] = lambda t, y: [*y]
     asked: str = ""
     held: Held = UNHELD
+    newton: bool = False
 
     @cached_property
     def problem(self) -> NonlinearProblem:
@@ -148,7 +155,12 @@ class GivenSteps(OwnSteps):
     def _made(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
         """The method's step; of a splitting, each part asks where the one before it ends, with the usual velocity."""
         if isinstance(method, RungeKutta | Collocation):
-            return table_step(method, self.rates, t, y, h, _SETTLED)
+            try:
+                return table_step(method, self.rates, t, y, h, _SETTLED)
+            except ArithmeticError:  # of a stiff system iterations run away, to states without slopes
+                if not self.newton:
+                    raise
+                return self.solved(method, t, y, h, _SOLVED)
         if not isinstance(method, Splitting):
             return super().step(method, t, y, h)
         if self.size % 2:
@@ -169,6 +181,22 @@ class GivenSteps(OwnSteps):
             end[part] = new
             moved += float(share) * h * (kind != "kick")
         return [float(x) for x in end]
+
+    def solved(
+        self, method: RungeKutta | Collocation, t: float, y: Sequence[float], h: float, enough: float
+    ) -> list[float]:
+        """The step with its stages solved by Newton's method, to where one more iteration changes it by less.
+
+        Raises ArithmeticError without a root, and where there are too many numbers to solve for.
+        """
+        if method.explicit or method.stages * self.size > MOST_UNKNOWNS:
+            raise ArithmeticError(f"the stages of {method.key} are not solved for there")
+        taken = StepSeen(self.rates, t, y, h, [])
+        solver = Unsettled(method, _ROUNDS_OF_NEWTON, predicted=False, anew=True, called=False, timed=True)
+        ends = [each.end(taken) for each in (solver, replace(solver, rounds=_ROUNDS_OF_NEWTON + 1))]
+        if not self.apart(y, *ends) <= enough:
+            raise ArithmeticError(f"the stages of {method.key} do not settle")
+        return ends[1]
 
     def way(self, method: Splitting) -> str:
         """The velocities that its force is asked with, if it depends on them: the first that a step agrees with."""

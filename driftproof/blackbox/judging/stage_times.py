@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from itertools import product
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding
@@ -15,7 +14,6 @@ from driftproof.blackbox.judging.given_comparisons import SMALL, longer
 from driftproof.blackbox.judging.given_steps import GivenSteps
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE
 from driftproof.blackbox.judging.own_steps import COMPARED, ends_in_words
-from driftproof.blackbox.judging.programs import MOST_UNKNOWNS, StepSeen, Unsettled
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.whole_states import TIMES
 from driftproof.methods.catalogue import of_one_state
@@ -23,8 +21,6 @@ from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKu
 
 # A stage that is a sixteenth of the step too early or too late should move its end by more than is allowed.
 _SEEN = 16.0
-# Newton's iterations: from a state at which an exponential is 2**64, each gains a factor e.
-_ROUNDS = 48
 
 
 def with_stage_times(steps: GivenSteps, wanted: Specification, found: StepFinding) -> StepFinding:
@@ -75,14 +71,7 @@ def _by_longer_steps(steps: GivenSteps, wanted: Specification) -> tuple[bool | N
 
 
 def _solved(steps: GivenSteps, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
-    """The method's step, its stages by Newton's method if they are few. Raises ArithmeticError without a root."""
+    """The method's step, its stages by Newton's method if it is implicit. Raises ArithmeticError without a root."""
     if method.explicit or not isinstance(method, RungeKutta | Collocation):
         return steps.step(method, t, y, h)
-    if method.stages * steps.size > MOST_UNKNOWNS:
-        raise ArithmeticError("there are too many stages to be solved")
-    taken = StepSeen(steps.rates, t, y, h, [])
-    solver = Unsettled(method, _ROUNDS, predicted=False, anew=True, called=False, timed=True)
-    ends = [each.end(taken) for each in (solver, replace(solver, rounds=_ROUNDS + 1))]
-    if not steps.apart(y, *ends) <= steps.half / _SEEN:
-        raise ArithmeticError(f"the stages of {method.key} do not settle")
-    return ends[1]
+    return steps.solved(method, t, y, h, steps.half / _SEEN)

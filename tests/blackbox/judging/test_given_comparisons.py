@@ -126,6 +126,16 @@ def iterated(y, h, enough=1e-10):
     return end
 
 
+def by_newton(y, h, rounds=30):
+    """Backward Euler of Robertson's reaction, its equations solved by so many iterations of Newton's method."""
+    end = np.array(y, dtype=float)
+    for _ in range(rounds):
+        away = 1e-7 * np.eye(3)
+        rows = np.array([np.subtract(robertson(0, end + x), robertson(0, end - x)) / 2e-7 for x in away]).T
+        end = end - np.linalg.solve(np.eye(3) - h * rows, end - y - h * np.array(robertson(0, end)))
+    return end
+
+
 PASSED = {
     "a pendulum": (on(pendulum), "rk4", pendulum, "is rk4 on the system given, to "),
     "driven": (lambda t, y, h: rk4(driven, t, y, h), "rk4", driven, "in 24 steps"),
@@ -175,6 +185,17 @@ def test_a_step_passes_if_it_is_right_to_its_rounding_wherever_it_is_seen(name):
     found = verify(step, method, system=system, isolate=False, **({"allowance": allowed[0]} if allowed else {}))
     assert found.passed is (name in PASSED), found.verdict
     assert said in found.verdict
+
+
+@pytest.mark.parametrize(("rounds", "said"), [
+    (30, "is backward_euler on the system given, to "),
+    (1, "is not backward_euler; it is backward_euler with one mistake: the stages are solved by 1 iteration of Newton's"),
+])  # fmt: skip
+def test_stages_of_a_stiff_system_are_solved_where_iterations_run_away(rounds, said):
+    asked = {"domain": Domain(start="0.9:1,1e-5:4e-5,0:0.1"), "allowance": Allowance(solver_tolerance=1e-12)}
+    step = lambda y, h: by_newton(y, h, rounds)
+    found = verify(step, "backward_euler", system=robertson, isolate=False, **asked)
+    assert (found.passed, said in found.verdict) == (rounds > 1, True), found.verdict
 
 
 @pytest.mark.parametrize(("method", "step"), [
