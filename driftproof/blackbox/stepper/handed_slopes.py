@@ -1,9 +1,10 @@
-"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), as steps that remember them."""
+"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or that of their start, step(q, v, a, h)."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -107,3 +108,32 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
     slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
     return HandedSlopes(step, calling.required_names(step) or (), slots) if slots else step
+
+
+def with_own_slope(step: Callable[..., Any]) -> Callable[..., Any] | None:
+    """The step(q, v, h) of a step(q, v, a, h) on a system that is built in, whose slope a step of 0 hands on.
+
+    None unless it hands on the slope of the state at its end, as a step of 0 from there does, whatever it is given.
+    """
+    wanted, found = {calling.POSITION, calling.VELOCITY, calling.CARRIED, calling.STEP}, list[Any]()
+    with suppress(ValueError):  # it has no system built in
+        found += (each for each in calling.conventions_of(step, calling.MAP) if {*each.order} == wanted)
+    if not found or found[0].handed is None:
+        return None
+    order, handed = found[0].order, found[0].handed
+
+    def parts(q: Foreign, v: Foreign, a: Foreign, h: Foreign) -> tuple[Any, list[Any]]:
+        given = {calling.POSITION: q, calling.VELOCITY: v, calling.CARRIED: a, calling.STEP: h}
+        answer = [*step(*(given[role] for role in order))]
+        return answer.pop(handed), answer
+
+    def begun(q: Foreign, v: Foreign, h: Foreign) -> tuple[Any, ...]:
+        slope, _ = parts(q, v, 0.0 * q, 0.0)
+        return tuple(parts(q, v, slope, h)[1])
+
+    try:
+        slope, (q, v) = parts(1.0, 0.75, parts(1.0, 0.75, 0.0, 0.0)[0], 0.25)
+        own = [parts(q, v, other, 0.0)[0] for other in (0.0, 1.0)]
+    except Exception:  # a user's function may raise anything
+        return None
+    return begun if own[0] == own[1] and np.isclose(slope, own[0], rtol=_ALIKE, atol=0) else None

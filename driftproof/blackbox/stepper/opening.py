@@ -27,7 +27,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
+from driftproof.blackbox.stepper.handed_slopes import with_own_slope, with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import scope_of
 from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.plain_forms import plain_forms
@@ -194,6 +194,8 @@ class _Opening:
         """The stepper as a plain form, unless a slope was stale; raises why its most natural reading failed."""
         if not self._stale and (found := self._as_plain()):
             return found
+        if self._stale and self.calls in (None, calling.MAP) and (form := with_own_slope(self.step)):
+            return opened(form, None, self.array, self.before, self.after)
         why = [*self._stale, *self.failures][0]
         asked = why.__cause__
         if isinstance(asked, findings.BadInput):

@@ -279,7 +279,8 @@ def _require_slope_at_end(subject: ForeignStepper, end: Sequence[float]) -> None
     near = max(_AT_END, _ROUNDINGS * float(format_of_answers(subject.log).u))
     if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=near, atol=0):
         shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
-        raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}")
+        of = ", that of q'' = -q" * (convention.kind == calling.MAP)
+        raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}{of}")
 
 
 def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:

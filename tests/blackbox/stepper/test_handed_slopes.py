@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.identify import identify
@@ -113,3 +114,20 @@ def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
         return [y := step(y, t, lambda y, t: t * t, 1.0) for t in map(float, range(5))]
 
     assert walked(with_slopes_kept(turned)) == walked(with_slopes_kept(bashforth3))
+
+
+def carried(theta, omega, alpha, dt, stale=False, half=0.5):
+    """Velocity Verlet of a pendulum, which takes and hands on its acceleration."""
+    moved = theta + dt * omega + dt**2 / 2 * alpha
+    new = -9.81 * np.sin(theta if stale else moved)
+    return moved, omega + half * dt * (alpha + new), new
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ({}, "is velocity_verlet on the system given, to"), ({"half": 0.25}, "is not velocity_verlet"),
+    ({"stale": True}, "as the slope at its end, not -1.15625, that of q'' = -q"),
+])  # fmt: skip
+def test_an_acceleration_that_is_handed_on_may_be_that_of_its_own_system(change, said):
+    step = lambda theta, omega, alpha, dt: carried(theta, omega, alpha, dt, **change)
+    found = verify(step, "velocity_verlet", system=lambda y: [y[1], -9.81 * np.sin(y[0])], isolate=False)
+    assert (found.passed is True, said in found.verdict) == (not change, True), found.verdict
