@@ -11,9 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from driftproof.enclosure.problem_tables import steps_to
 from driftproof.methods.given_methods import GivenMethods, names_of
-from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of
+from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts
@@ -67,7 +66,13 @@ def sweep(
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     keys, own = names_of(methods)
     about = replace(about, own=own) if own else about
-    axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": steps_to(about.t, h)}
+    if about.problem is None:
+        sizes = steps_of(h)
+    else:
+        from driftproof.enclosure.problem_tables import steps_to  # of which a scene has no need
+
+        sizes = steps_to(about.t, h)
+    axes: dict[str, Sequence[Any]] = {"selected": keys, "start": states, "t": times, "h": sizes}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
     place = None if output is None else Path(output)
@@ -85,6 +90,7 @@ def _scene_of(
     """The scene of this name; of a problem, that of the errors at its end, for the first method and step size."""
     if str(given) in PRESETS:
         return scene_given(str(given))
+    from driftproof.enclosure.problem_tables import steps_to
     from driftproof.reports.user_problem import names_problem, problem_given
 
     if not names_problem(given):
