@@ -33,7 +33,7 @@ from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.sweep import run_grid
 from driftproof.symbolic.trees.order_conditions import order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.rooted_trees import tree_table
-from driftproof.texts.claims.report import check
+from driftproof.texts.check import check
 
 # Sizes that the slope is taken over; how much a slope may be above the one on paper, being measured; and for how long
 # a short task is repeated, in seconds.

@@ -24,7 +24,7 @@ _MODULES = {
     "significant": "symbolic.algebra.certified", "derive": "symbolic.derivation.derive", "Facts": "symbolic.facts",
     "order_within": "symbolic.facts", "stability_function_of": "symbolic.linear.oscillator",
     "boundary_points": "symbolic.linear.region", "OscillatorRun": "symbolic.runs",
-    "assert_text": "texts.claims.report", "check": "texts.claims.report", "PRINTED": "texts.questions.decimals",
+    "assert_text": "texts.check", "check": "texts.check", "PRINTED": "texts.questions.decimals",
     "Style": "texts.questions.decimals", "QuestionError": "texts.questions.errors",
     "value": "texts.questions.evaluate", "render": "texts.templates.rendering", "diff": "texts.values.changes",
     "published_values": "texts.values.published",
@@ -72,8 +72,8 @@ if TYPE_CHECKING:
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
-    from driftproof.texts.claims.report import assert_text as assert_text
-    from driftproof.texts.claims.report import check as check
+    from driftproof.texts.check import assert_text as assert_text
+    from driftproof.texts.check import check as check
     from driftproof.texts.questions.decimals import PRINTED as PRINTED
     from driftproof.texts.questions.decimals import Style as Style
     from driftproof.texts.questions.errors import QuestionError as QuestionError

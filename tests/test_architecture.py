@@ -44,7 +44,7 @@ STOREYS: dict[str, tuple[str, ...]] = {
         *("findings", "report", "stepper", "isolation", "probes", "checks", "matching", "judging", "families"),
         *(".", "solvers"),
     ),
-    "texts": ("writing", "values", "questions", "readers", "claims", "templates"),
+    "texts": ("writing", "values", "questions", "readers", "words", "claims", "drafts", ".", "templates"),
 }
 
 # Room -> the packages of the world that it may import; "symbolic.derivation" is where SymPy lives.
@@ -71,7 +71,7 @@ BUDGETS = {
     "numeric": 4722,
     "blackbox": 24659,
     "enclosure": 5857,
-    "texts": 11836,
+    "texts": 11838,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6469
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A

@@ -1,1 +1,1 @@
-"""Claims about the numbers of a text: checking them, measuring their coverage, drafting them."""
+"""Claims about the numbers of a text: reading them, and checking a text against them."""
