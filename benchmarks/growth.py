@@ -26,7 +26,7 @@ import driftproof
 from benchmarks.enclosure import lorenz, pendulum
 from benchmarks.harness import Contestant, Goal, Section, forget, milliseconds, one_turn
 from benchmarks.long_runs import exponent
-from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.scenes import PRESETS

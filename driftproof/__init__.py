@@ -13,7 +13,7 @@ _MODULES = {
     "Domain": "blackbox.judging.specification", "identify_solver": "blackbox.solvers.identify_solver",
     "field_stepper_of": "blackbox.stepper.objects", "stepper_of": "blackbox.stepper.objects",
     "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
-    "certify": "enclosure.certify", "Refused": "enclosure.evaluations", "METHODS": "methods.catalogue",
+    "certify": "enclosure.certify", "Refused": "enclosure.arithmetic.evaluations", "METHODS": "methods.catalogue",
     "FAMILIES": "methods.families", "RungeKutta": "methods.schemes", "Splitting": "methods.schemes",
     "stepper": "methods.stepping", "read_method": "methods.tableau_file", "PROBLEMS": "numeric.problems.catalogue",
     "PRESETS": "numeric.scenes", "Scene": "numeric.scenes", "read_scene": "numeric.scenes",
@@ -41,9 +41,9 @@ if TYPE_CHECKING:
     from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
     from driftproof.blackbox.verify import assert_verified as assert_verified
     from driftproof.blackbox.verify import verify as verify
+    from driftproof.enclosure.arithmetic.evaluations import Refused as Refused
     from driftproof.enclosure.certify import assert_accurate as assert_accurate
     from driftproof.enclosure.certify import certify as certify
-    from driftproof.enclosure.evaluations import Refused as Refused
     from driftproof.methods.catalogue import METHODS as METHODS
     from driftproof.methods.families import FAMILIES as FAMILIES
     from driftproof.methods.schemes import RungeKutta as RungeKutta

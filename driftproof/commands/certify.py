@@ -71,7 +71,7 @@ def certify_command(options: Namespace) -> str:
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
-    from driftproof.enclosure.exact_runs import NotItsSteps, PerhapsItsSteps
+    from driftproof.enclosure.runs.exact_runs import NotItsSteps, PerhapsItsSteps
     from driftproof.methods.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 

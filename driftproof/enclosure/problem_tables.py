@@ -16,12 +16,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from flint import arb
 
-from driftproof.enclosure.evaluations import Refused, in_bits
-from driftproof.enclosure.fields import RightHandSide, time_first
+from driftproof.enclosure.arithmetic.evaluations import Refused, in_bits
+from driftproof.enclosure.fields.fields import RightHandSide, time_first
+from driftproof.enclosure.fields.text_fields import field_function, given_field
+from driftproof.enclosure.fields.traced_fields import field_of_function
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.reproduction import reproduced_field
-from driftproof.enclosure.text_fields import field_function, given_field
-from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.field_text import (
     LONGEST_PROBLEM,

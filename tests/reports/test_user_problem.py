@@ -12,7 +12,7 @@ import pytest
 from flint import arb, ctx
 from mpmath import atan, cos, exp, log, mpf, nstr, sin, sqrt, workdps
 
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text

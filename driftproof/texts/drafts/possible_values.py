@@ -16,8 +16,8 @@ from math import prod
 
 from flint import arb, ctx
 
-from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.steps import with_effort
+from driftproof.enclosure.arithmetic.evaluations import Refused
+from driftproof.enclosure.solution.steps import with_effort
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose

@@ -22,8 +22,8 @@ from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT, LARGEST_STEP, names_that_ask
 
 if TYPE_CHECKING:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
     from driftproof.enclosure.problem_tables import ProblemTable
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.methods.schemes import Method
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
@@ -157,7 +157,7 @@ def _whole_number(context: QueryContext) -> int:
 
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.texts.questions.runs import UNITS, in_unit, run_of, run_readouts
 
     readout, unit = context.query.readout, context.query.unit

@@ -13,7 +13,7 @@ from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query, parse_question
 
 if TYPE_CHECKING:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.methods.catalogue import FurtherMethod
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
@@ -82,7 +82,7 @@ class QueryContext:
 
     def method_of_run(self) -> Method | StartedMultistep:
         """The method that a run names, with what it is started with if it is a multistep one. Raises QuestionError."""
-        from driftproof.enclosure.multistep_runs import StartedMultistep
+        from driftproof.enclosure.runs.multistep_runs import StartedMultistep
         from driftproof.methods.given_methods import method_of
         from driftproof.methods.multistep import Multistep
 
