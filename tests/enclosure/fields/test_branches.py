@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from driftproof.enclosure.arithmetic.evaluations import Refused
-from driftproof.enclosure.fields.branches import Branching, on_all_branches
 from driftproof.enclosure.fields import branches
+from driftproof.enclosure.fields.branches import Branching, on_all_branches
 from tests.looping import some
 
 
