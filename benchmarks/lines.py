@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.harness import Section, Subject, by_scipy, timed, with_largest_tolerance
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric import field_loops
 from driftproof.numeric.controlled import ControlledRun, controlled_runner
 from driftproof.numeric.elimination import FULL

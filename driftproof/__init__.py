@@ -15,9 +15,10 @@ _MODULES = {
     "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
     "certify": "enclosure.certify", "Refused": "enclosure.arithmetic.evaluations", "METHODS": "methods.catalogue",
     "FAMILIES": "methods.families", "RungeKutta": "methods.schemes", "Splitting": "methods.schemes",
-    "stepper": "methods.stepping", "read_method": "methods.tableau_file", "PROBLEMS": "numeric.problems.catalogue",
-    "PRESETS": "numeric.scenes", "Scene": "numeric.scenes", "read_scene": "numeric.scenes",
-    "facts": "reports.fact_sheet", "run": "reports.oscillator", "step": "reports.oscillator",
+    "stepper": "methods.programs.stepping", "read_method": "methods.tableau_file",
+    "PROBLEMS": "numeric.problems.catalogue", "PRESETS": "numeric.scenes", "Scene": "numeric.scenes",
+    "read_scene": "numeric.scenes", "facts": "reports.fact_sheet", "run": "reports.oscillator",
+    "step": "reports.oscillator",
     "report": "reports.pages", "roundoff": "reports.rounding", "scene": "reports.scenes",
     "stability": "reports.stability", "work_precision": "reports.studies", "sweep": "reports.sweeps",
     "RemarkWarning": "support.assertions", "fixed": "symbolic.algebra.certified",
@@ -46,9 +47,9 @@ if TYPE_CHECKING:
     from driftproof.enclosure.certify import certify as certify
     from driftproof.methods.catalogue import METHODS as METHODS
     from driftproof.methods.families import FAMILIES as FAMILIES
+    from driftproof.methods.programs.stepping import stepper as stepper
     from driftproof.methods.schemes import RungeKutta as RungeKutta
     from driftproof.methods.schemes import Splitting as Splitting
-    from driftproof.methods.stepping import stepper as stepper
     from driftproof.methods.tableau_file import read_method as read_method
     from driftproof.numeric.problems.catalogue import PROBLEMS as PROBLEMS
     from driftproof.numeric.scenes import PRESETS as PRESETS

@@ -24,9 +24,9 @@ from driftproof.enclosure.reproduction import require_reproduced_between
 from driftproof.enclosure.runs.exact_runs import NotItsSteps, Row, StepPlan, plan_of, unchecked_intervals
 from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.trajectories import Trajectory, failure_of, has_trajectory, read_trajectory, trajectory_of
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.rationals import ExactNumber
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField
 from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose

@@ -28,7 +28,7 @@ from driftproof.enclosure.arithmetic.numbers import size
 from driftproof.enclosure.certificate import decimal
 from driftproof.enclosure.fields.fields import RightHandSide, linearised
 from driftproof.enclosure.fields.text_fields import field_function
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from driftproof.methods.catalogue import Entry, of_one_state
-from driftproof.methods.explicit_steps import FieldSource, field_source
-from driftproof.methods.program_text import indented, maker_text, used_stages
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import FieldSource, field_source
+from driftproof.methods.programs.program_text import indented, maker_text, used_stages
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import step_control
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.field_loops import field_writers

@@ -17,11 +17,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.methods.explicit_steps import FieldSource, field_source
-from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, OF_DERIVATIVES, VectorField
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.explicit_steps import FieldSource, field_source
+from driftproof.methods.programs.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, OF_DERIVATIVES, VectorField
 
 FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Sequence
 from functools import cache
 from math import prod
 
-from driftproof.methods.program_text import indented, maker_text
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
+from driftproof.methods.programs.program_text import indented, maker_text
 from driftproof.numeric.elimination import FULL, Band
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.loops import FieldWriters, RateWriter, allocators, loop

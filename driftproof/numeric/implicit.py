@@ -37,8 +37,8 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.engine import EnsembleRun, FloatArray, require_ensemble
 from driftproof.numeric.field_loops import field_writers

@@ -9,9 +9,9 @@ from math import isfinite
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.implicit import NO_STEP, require_done

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.numeric.advance import Advance, field_rate, rests_at_origin
 from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import DenseSolution, Digits, Problem

@@ -11,9 +11,9 @@ from itertools import pairwise
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.elimination import solve
 from driftproof.numeric.field_loops import field_writers

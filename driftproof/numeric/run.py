@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import brief
+from driftproof.methods.numbers.rationals import brief
+from driftproof.methods.programs.stepping import Force, Step, oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Force, Step, oscillator
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY, TRAJECTORY, FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 from driftproof.numeric.elimination import Band, factored, solve
 from driftproof.numeric.loops import FieldWriters

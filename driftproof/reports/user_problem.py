@@ -37,11 +37,11 @@ from driftproof.enclosure.problem_tables import (
 from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.solution.steps import DensePiece
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.rationals import brief
+from driftproof.methods.formulas.field_text import LONGEST_PROBLEM
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.rationals import brief
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, DenseSolution, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.implicit import NO_STEP, implicit_runner, require_done
 from driftproof.numeric.loops import FieldWriters

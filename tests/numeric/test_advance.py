@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric.advance import field_rate, float_step
 from driftproof.numeric.engine import functions_of
 

@@ -9,9 +9,9 @@ from math import exp, inf
 import pytest
 
 from driftproof.methods.catalogue import METHODS, entry_named
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import float_start
 from driftproof.numeric.controlled import _pair_step, controlled_runner
 from driftproof.numeric.field_loops import field_writers

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import field_source
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import field_source
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.stepping import oscillator
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import engine
 from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_runner, compiled_runner, runner
 from driftproof.numeric.problems.catalogue import problem_named

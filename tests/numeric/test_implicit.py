@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner
 from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric import field_loops, loops
 from driftproof.numeric.advance import field_rate, float_start
 from driftproof.numeric.elimination import FULL, Band

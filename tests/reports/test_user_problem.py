@@ -15,7 +15,7 @@ from mpmath import atan, cos, exp, log, mpf, nstr, sin, sqrt, workdps
 from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import field_of_text
+from driftproof.methods.formulas.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT

@@ -14,7 +14,7 @@ from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 
 _Reading = TypeVar("_Reading")
 ESTIMATE = "Error estimate"

@@ -22,8 +22,8 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 
 # Chosen: balls of this precision are far narrower than the rounding errors of doubles.

@@ -32,7 +32,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 
 # A force on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]

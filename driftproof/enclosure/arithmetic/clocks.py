@@ -17,7 +17,7 @@ from flint import arb
 
 from driftproof.enclosure.arithmetic.evaluations import Evaluation, Refused, Value
 from driftproof.enclosure.arithmetic.numbers import Enclosed, enclosed, exact_value
-from driftproof.methods.flint_rationals import dyadic
+from driftproof.methods.numbers.flint_rationals import dyadic
 
 # Offset and rate.
 _Line: TypeAlias = tuple[Fraction, Fraction]

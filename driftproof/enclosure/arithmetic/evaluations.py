@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq
 
-from driftproof.methods.flint_rationals import dyadic
+from driftproof.methods.numbers.flint_rationals import dyadic
 
 # A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
 Value: TypeAlias = Any

@@ -20,8 +20,8 @@ from flint import arb, arb_series
 
 from driftproof.enclosure.arithmetic.evaluations import Evaluation, Refused, Value, ZeroByZero, running_line
 from driftproof.enclosure.arithmetic.functions import ANALYTIC, inverse_of, power_of, quotient_of
-from driftproof.methods.flint_rationals import dyadic
-from driftproof.methods.vector_fields import FLOOR
+from driftproof.methods.formulas.vector_fields import FLOOR
+from driftproof.methods.numbers.flint_rationals import dyadic
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:

@@ -13,10 +13,10 @@ import numpy as np
 from driftproof.enclosure.arithmetic.clocks import exact_constant
 from driftproof.enclosure.arithmetic.numbers import Enclosed
 from driftproof.enclosure.fields.fields import RightHandSide, time_first
-from driftproof.methods.field_text import field_of_text
-from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField, partial_derivative
+from driftproof.methods.formulas.field_text import field_of_text
+from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, VectorField, partial_derivative
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.program_text import indented, maker, maker_text
 from driftproof.symbolic.algebra.certified import enclose
 
 # The forms in which a user may give f: a function of (t, y), text, or a field.

@@ -12,8 +12,8 @@ from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.arithmetic.numbers import Enclosed
 from driftproof.enclosure.fields.branches import Branching, Condition, on_all_branches
 from driftproof.enclosure.fields.fields import RightHandSide, enclosable, enclosed_rates
-from driftproof.methods.flint_rationals import dyadic
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
+from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, VectorField
+from driftproof.methods.numbers.flint_rationals import dyadic
 
 # Larger integers become parameters, since compilers have 64-bit integers.
 _LARGEST_LITERAL = 2**31

@@ -20,10 +20,10 @@ from driftproof.enclosure.fields.fields import RightHandSide, enclosable, enclos
 from driftproof.enclosure.runs.implicit_runs import implicit_step, rational_nodes
 from driftproof.enclosure.solution.solutions import BITS_AT_FIRST
 from driftproof.enclosure.trajectories import Trajectory
-from driftproof.methods.explicit_steps import array_step
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import Exact
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.numbers.rationals import ExactNumber
+from driftproof.methods.programs.explicit_steps import array_step
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import enclose
 

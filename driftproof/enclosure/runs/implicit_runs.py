@@ -19,7 +19,7 @@ from driftproof.enclosure.arithmetic.clocks import exact_time
 from driftproof.enclosure.arithmetic.evaluations import Evaluation, Refused
 from driftproof.enclosure.arithmetic.numbers import size
 from driftproof.enclosure.fields.fields import RightHandSide, linearised
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
 

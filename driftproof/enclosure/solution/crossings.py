@@ -21,7 +21,7 @@ from driftproof.enclosure.arithmetic.models import TaylorModel
 from driftproof.enclosure.arithmetic.numbers import Enclosed, size
 from driftproof.enclosure.fields.branches import Branching, on_all_branches
 from driftproof.enclosure.fields.fields import RightHandSide, enclosed_rates
-from driftproof.methods.flint_rationals import dyadic
+from driftproof.methods.numbers.flint_rationals import dyadic
 from driftproof.symbolic.algebra.certified import enclose
 
 # A step is searched for changes at so many places; one that is missed is only found by shorter steps.

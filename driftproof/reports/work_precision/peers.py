@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from driftproof.methods.catalogue import Entry
+from driftproof.methods.formulas.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.engine import functions_of

@@ -11,7 +11,14 @@ from functools import cache, lru_cache
 from math import isqrt
 from typing import TYPE_CHECKING
 
-from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
+from driftproof.methods.formulas.expression_tree import (
+    CallNode,
+    ChainNode,
+    NameNode,
+    NegatedNode,
+    NumberNode,
+    PowerNode,
+)
 from driftproof.methods.schemes import MethodError
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
@@ -214,7 +221,7 @@ def _problem(context: QueryContext) -> ProblemTable:
 def _stated(rates: tuple[str, ...], energy: str | None, unknowns: tuple[str, ...]) -> ProblemTable:
     """The problem of rates that are written out; hundreds of questions of a text are about the same."""
     from driftproof.enclosure.problem_tables import ProblemTable
-    from driftproof.methods.field_text import field_of_text
+    from driftproof.methods.formulas.field_text import field_of_text
 
     names = {name: f"y{i}" for i, name in enumerate(unknowns)}
     field = field_of_text(dict(zip(unknowns, rates, strict=True)) if unknowns else rates)
@@ -252,8 +259,8 @@ def _exact(context: QueryContext) -> Answer:
 
 def limit_of_rates(rates: Mapping[str, str]) -> tuple[str, str] | None:
     """The limit and the size of y' = -size y or x'' = -size² x, None for other rates."""
-    from driftproof.methods.field_text import rate_of_text
-    from driftproof.methods.vector_fields import partial_derivative
+    from driftproof.methods.formulas.field_text import rate_of_text
+    from driftproof.methods.formulas.vector_fields import partial_derivative
 
     slopes = dict[tuple[str, str], Fraction]()
     with suppress(ValueError, LookupError, ZeroDivisionError):

@@ -22,10 +22,10 @@ from driftproof.enclosure.runs.implicit_runs import implicit_step
 from driftproof.enclosure.runs.multistep_runs import StartedMultistep
 from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.flint_rationals import as_fmpq
+from driftproof.methods.formulas.field_text import LONGEST_PROBLEM
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.flint_rationals import as_fmpq
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
-from driftproof.methods.expression_tree import Token
+from driftproof.methods.formulas.expression_tree import Token
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query, parse_question
@@ -101,8 +101,8 @@ class QueryContext:
 
     def subject(self) -> Method | Family | FurtherMethod:
         """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
-        from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import Family
+        from driftproof.methods.formulas.expressions import parse_number
         from driftproof.methods.given_methods import subject_of
 
         token, at = self.query.subject, self.query.at

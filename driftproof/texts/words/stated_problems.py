@@ -10,8 +10,8 @@ from functools import partial
 from itertools import chain, pairwise
 from typing import NamedTuple
 
-from driftproof.methods.field_text import rate_of_text
-from driftproof.methods.vector_fields import FUNCTIONS
+from driftproof.methods.formulas.field_text import rate_of_text
+from driftproof.methods.formulas.vector_fields import FUNCTIONS
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_calls_bracketed, with_greek_spelled, with_roots_spelled, with_time

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from html import escape
 
-from driftproof.methods import expression_tree as tree
+from driftproof.methods.formulas import expression_tree as tree
 
 # Characters of an exact form that is shown beside a decimal in texts.
 LONGEST_IN_TEXT = 24

@@ -9,7 +9,7 @@ from driftproof import verify
 from driftproof.blackbox.judging.own_steps import OwnSteps, table_step
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import stepper
+from driftproof.methods.programs.stepping import stepper
 from tests.blackbox.judging.test_own_system import on
 from tests.looping import some
 

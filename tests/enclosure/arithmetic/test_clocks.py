@@ -16,7 +16,7 @@ from driftproof.enclosure.fields.fields import enclosable
 from driftproof.enclosure.fields.text_fields import field_function
 from driftproof.enclosure.solution import solutions, stiff
 from driftproof.enclosure.solution.solutions import enclose_solution
-from driftproof.methods.field_text import field_of_text
+from driftproof.methods.formulas.field_text import field_of_text
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.integrals import END, integral, off, widest
 from tests.enclosure.mutants import mutant

@@ -11,8 +11,8 @@ from driftproof.enclosure.arithmetic.evaluations import Evaluation
 from driftproof.enclosure.arithmetic.numbers import Enclosed
 from driftproof.enclosure.fields.fields import enclosed_rates
 from driftproof.enclosure.fields.text_fields import field_function, right_hand_side
-from driftproof.methods.field_text import field_of_text
-from driftproof.methods.number_field import square_root
+from driftproof.methods.formulas.field_text import field_of_text
+from driftproof.methods.numbers.number_field import square_root
 from tests.looping import exactly
 
 

@@ -8,8 +8,8 @@ from math import pi, sin
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import field_source
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import field_source
 from driftproof.numeric.advance import advance, field_rate
 from driftproof.numeric.engine import program_function
 from driftproof.numeric.problems.catalogue import problem_named

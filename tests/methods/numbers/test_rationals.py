@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.rationals import (
+from driftproof.methods.numbers.rationals import (
     brief,
     exact_number,
     exact_numbers,

@@ -16,8 +16,8 @@ from flint import arb, ctx, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.common_field import in_one_field
-from driftproof.methods.number_field import (
+from driftproof.methods.numbers.common_field import in_one_field
+from driftproof.methods.numbers.number_field import (
     Algebraic,
     NumberField,
     UndecidedError,

@@ -11,13 +11,13 @@ from functools import reduce
 from itertools import pairwise
 from typing import Any
 
-from driftproof.methods import expression_tree as tree
-from driftproof.methods.expression_tree import ExpressionError
-from driftproof.methods.expressions import parse_number
-from driftproof.methods.flint_rationals import ends_of
-from driftproof.methods.number_field import Exact
+from driftproof.methods.formulas import expression_tree as tree
+from driftproof.methods.formulas.expression_tree import ExpressionError
+from driftproof.methods.formulas.expressions import parse_number
+from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, VectorField
+from driftproof.methods.numbers.flint_rationals import ends_of
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (
     TomlTable,
     as_list,

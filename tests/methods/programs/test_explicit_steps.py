@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import array_step, field_source
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import array_step, field_source
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import runner
 from tests.float_bits import bits
 from tests.methods.tables.entries import EXPLICIT

@@ -7,10 +7,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker, maker_text, used_stages
+from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, OF_DERIVATIVES
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.program_text import (
+    ProgramText,
+    indented,
+    looping_maker_text,
+    maker,
+    maker_text,
+    used_stages,
+)
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import FLOOR, FUNCTIONS, OF_DERIVATIVES
 
 
 class Field(Protocol):

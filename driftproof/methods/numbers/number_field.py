@@ -13,7 +13,7 @@ from itertools import pairwise
 from math import copysign
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic, ends_of
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction, dyadic, ends_of
 
 if TYPE_CHECKING:
     from flint import arb, fmpq

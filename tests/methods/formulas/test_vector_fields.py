@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField, partial_derivative
 
 
 @pytest.mark.parametrize(

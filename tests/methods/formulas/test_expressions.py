@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.expressions import parse_exact, parse_number, parse_system
-from driftproof.methods.number_field import Exact, cube_root, square_root
+from driftproof.methods.formulas.expressions import parse_exact, parse_number, parse_system
+from driftproof.methods.numbers.number_field import Exact, cube_root, square_root
 
 S3 = square_root(3)
 

@@ -9,10 +9,10 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import field_source
-from driftproof.methods.program_text import maker
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import field_source
+from driftproof.methods.programs.program_text import maker
 from driftproof.methods.schemes import MethodError, Nystrom, Splitting
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.engine import compiled_runner, runner
 from tests.float_bits import bits
 from tests.numeric.engine_runs import OSCILLATOR, PENDULUM

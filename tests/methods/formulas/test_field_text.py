@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.methods.field_text import (
+from driftproof.methods.formulas.field_text import (
     PI,
     choices_as_functions,
     energy_of_table,

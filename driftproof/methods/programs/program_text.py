@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 
 
 class ProgramText:

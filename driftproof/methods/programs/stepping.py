@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from driftproof.methods.explicit_steps import CalledField, FieldSource, field_source
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import indented, maker, maker_text
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.explicit_steps import CalledField, FieldSource, field_source
+from driftproof.methods.programs.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method
 
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.

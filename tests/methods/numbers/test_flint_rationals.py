@@ -7,8 +7,8 @@ from fractions import Fraction as Q
 import pytest
 from flint import arb, ctx
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic, ends_of
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction, dyadic, ends_of
+from driftproof.methods.numbers.number_field import square_root
 
 
 def test_rationals_go_to_flint_and_back() -> None:

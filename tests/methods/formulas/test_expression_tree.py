@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.expression_tree import (
+from driftproof.methods.formulas.expression_tree import (
     CallNode,
     ChainNode,
     ExpressionError,

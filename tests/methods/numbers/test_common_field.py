@@ -6,9 +6,16 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.common_field import common_field, in_one_field, rational_power
-from driftproof.methods.expressions import parse_number
-from driftproof.methods.number_field import Algebraic, NumberField, UndecidedError, cube_root, integer_root, square_root
+from driftproof.methods.formulas.expressions import parse_number
+from driftproof.methods.numbers.common_field import common_field, in_one_field, rational_power
+from driftproof.methods.numbers.number_field import (
+    Algebraic,
+    NumberField,
+    UndecidedError,
+    cube_root,
+    integer_root,
+    square_root,
+)
 from driftproof.methods.tableau_file import read_method
 from driftproof.symbolic.facts import Facts
 from tests.looping import exactly

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import MethodError
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.

@@ -8,8 +8,8 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import step_source, stepper
 from driftproof.methods.schemes import MethodError, RungeKutta, Splitting
-from driftproof.methods.stepping import step_source, stepper
 from driftproof.numeric.steppers import CountedForce
 from tests.methods.tables.entries import EXPLICIT
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from driftproof.methods.common_field import in_one_field, rational_power
-from driftproof.methods.expression_tree import (
+from driftproof.methods.formulas.expression_tree import (
     CallNode,
     ExpressionError,
     ExpressionNode,
@@ -19,7 +18,8 @@ from driftproof.methods.expression_tree import (
     PowerNode,
     Token,
 )
-from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, cube_root, square_root
+from driftproof.methods.numbers.common_field import in_one_field, rational_power
+from driftproof.methods.numbers.number_field import Algebraic, Exact, UndecidedError, cube_root, square_root
 from driftproof.support.plain_text import shortened
 
 # Bits of a number, chosen far above any published coefficient: a power of a power of a power would need gigabytes.

@@ -9,8 +9,8 @@ from itertools import count
 from math import floor
 from typing import Any, cast
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic
-from driftproof.methods.number_field import (
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction, dyadic
+from driftproof.methods.numbers.number_field import (
     LARGEST_FIELD_DEGREE,
     Algebraic,
     Exact,

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.numbers.rationals import parse_rational
 from driftproof.support.plain_text import shortened
 
 # Chosen far above published tableaux: the limits keep the time and the stack that reading takes small.

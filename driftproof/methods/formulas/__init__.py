@@ -1,0 +1,1 @@
+"""Formulas from users' text: expressions as trees, numbers, and right-hand sides, parsed and never evaluated."""

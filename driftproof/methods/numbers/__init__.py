@@ -1,0 +1,1 @@
+"""Exact numbers: rationals, real algebraic numbers in their fields, and what joins two fields."""
