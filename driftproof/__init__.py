@@ -11,7 +11,7 @@ __version__ = "0.2.0"
 _MODULES = {
     "identify": "blackbox.identify", "Allowance": "blackbox.judging.specification",
     "Domain": "blackbox.judging.specification", "identify_solver": "blackbox.solvers.identify_solver",
-    "field_stepper_of": "blackbox.stepper.objects", "stepper_of": "blackbox.stepper.objects",
+    "field_stepper_of": "blackbox.stepper.states.objects", "stepper_of": "blackbox.stepper.states.objects",
     "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
     "certify": "enclosure.certify", "Refused": "enclosure.arithmetic.evaluations", "METHODS": "methods.catalogue",
     "FAMILIES": "methods.families", "RungeKutta": "methods.schemes", "Splitting": "methods.schemes",
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from driftproof.blackbox.judging.specification import Allowance as Allowance
     from driftproof.blackbox.judging.specification import Domain as Domain
     from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
-    from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
-    from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
+    from driftproof.blackbox.stepper.states.objects import field_stepper_of as field_stepper_of
+    from driftproof.blackbox.stepper.states.objects import stepper_of as stepper_of
     from driftproof.blackbox.verify import assert_verified as assert_verified
     from driftproof.blackbox.verify import verify as verify
     from driftproof.enclosure.arithmetic.evaluations import Refused as Refused

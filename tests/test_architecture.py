@@ -44,6 +44,9 @@ STOREYS: dict[str, tuple[str, ...]] = {
         *("findings", "report", "stepper", "isolation", "probes", "checks", "matching", "judging", "families"),
         *(".", "solvers"),
     ),
+    "blackbox/stepper": (
+        *("calling_conventions", "fresh_copies", "states", "foreign_code", "foreign_stepper", "wrappers", "."),
+    ),
     "enclosure": ("arithmetic", "fields", "solution", "columns", "trajectories", "runs", "."),
     "texts": ("writing", "values", "questions", "readers", "words", "claims", "drafts", ".", "templates"),
 }
@@ -70,11 +73,11 @@ BUDGETS = {
     "methods": 5619,
     "symbolic": 10698,
     "numeric": 4722,
-    "blackbox": 24659,
+    "blackbox": 24694,
     "enclosure": 5861,
-    "texts": 11854,
+    "texts": 11853,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6469
+BUDGET_OF_REPORTS_AND_FRONT = 6470
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
@@ -183,25 +186,26 @@ def foreign_imports(root: Path) -> list[str]:
     return found
 
 
-def storey(root: Path, module: str) -> tuple[str, int] | None:
-    """The folder of STOREYS that the module lies in, and the storey there; None if it lies in none."""
+def storeys(root: Path, module: str) -> dict[str, int]:
+    """Each folder of STOREYS that the module lies in, with the storey there."""
     parts = module.split(".")[1:]
-    for depth in range(len(parts) - 1, 0, -1):
+    found = {}
+    for depth in range(1, len(parts)):
         folder = "/".join(parts[:depth])
         if folder in STOREYS:
             alone = parts[depth] in STOREYS[folder] or (root / PACKAGE / folder / parts[depth]).is_dir()
-            return folder, STOREYS[folder].index(parts[depth] if alone else ".")
-    return None
+            found[folder] = STOREYS[folder].index(parts[depth] if alone else ".")
+    return found
 
 
 def storeys_climbed(root: Path) -> list[str]:
     modules = {module_name(root, path): path for path in house(root) if path.name != "__init__.py"}
     found = []
     for name, path in modules.items():
-        here = storey(root, name)
+        here = storeys(root, name)
         for other in set(imported(path)) & set(modules):
-            there = storey(root, other)
-            if here and there and here[0] == there[0] and there[1] > here[1]:
+            there = storeys(root, other)
+            if any(there[folder] > here[folder] for folder in here.keys() & there):
                 found.append(f"{name} imports {other}")
     return found
 
@@ -319,6 +323,7 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (foreign_imports, "driftproof/cli.py", "from sympy import Symbol"),
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (storeys_climbed, "driftproof/blackbox/findings.py", "import driftproof.blackbox.stepper.a"),
+    (storeys_climbed, "driftproof/blackbox/stepper/states/s.py", "import driftproof.blackbox.stepper.a"),
     (storeys_climbed, "driftproof/blackbox/isolation.py", "import driftproof.blackbox.verify"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),

@@ -37,7 +37,6 @@ from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.whole_states import own_time, seen_at
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, refusal, sections
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
@@ -46,7 +45,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import AS_PARTS
-from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS
+from driftproof.blackbox.stepper.states.state_forms import BATCH, SYSTEMS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted

@@ -29,7 +29,7 @@ from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
-from driftproof.blackbox.stepper.wrappers import substeps_wrapper
+from driftproof.blackbox.stepper.wrappers.wrappers import substeps_wrapper
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FurtherMethod
 from driftproof.methods.given_methods import method_of, subject_of

@@ -16,10 +16,10 @@ from driftproof.blackbox.judging.own_steps import COMPARED, SEEN_BENT
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import NUDGES
 from driftproof.blackbox.judging.whole_states import TIMES
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import Start
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted

@@ -20,8 +20,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
     role_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import as_complex, as_reals
 from driftproof.blackbox.stepper.opening import imported
+from driftproof.blackbox.stepper.states.forms_by_values import as_complex, as_reals
 
 # What parameters of a step are set to: other than 1 and unlike each other, and products of them exact.
 _VALUES = tuple(n / 16 for n in (20, 14, 22, 13, 18, 23, 15, 19, 17, 21))

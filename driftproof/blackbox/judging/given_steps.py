@@ -24,8 +24,8 @@ from driftproof.blackbox.judging.programs import MOST_UNKNOWNS, StepSeen, Unsett
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.whole_states import TIMES
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import STATE
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting
 

@@ -20,8 +20,8 @@ from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.whole_states import ROUGH, TIMES, own_time, pairs_of
 from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 from driftproof.support.plain_text import counted

@@ -29,9 +29,9 @@ from driftproof.blackbox.judging.programs import (
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 

@@ -16,13 +16,13 @@ from driftproof.blackbox.judging.sampled_steps import Sizes, steps_within
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.blackbox.stepper.calling_conventions import MAP, STATE, STEP, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import further_numbers
 from driftproof.blackbox.stepper.opening import drifts
-from driftproof.blackbox.stepper.state_forms import BODIES
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS
+from driftproof.blackbox.stepper.states.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.states.state_forms import BODIES
 
 # The times at which a built-in system is seen, if its step takes one.
 TIMES = (0.0, 0.75)

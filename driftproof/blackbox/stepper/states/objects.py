@@ -15,10 +15,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import BadInput
-from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 from driftproof.blackbox.stepper.calling_conventions import TIME, role_of, stand_in
-from driftproof.blackbox.stepper.forms_by_values import further_numbers
-from driftproof.blackbox.stepper.named_answers import goes_on
+from driftproof.blackbox.stepper.states.array_adapters import as_array, floats_in
+from driftproof.blackbox.stepper.states.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.states.named_answers import goes_on
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted if it lies deeper, or two functions, get and put.

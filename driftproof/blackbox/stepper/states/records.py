@@ -14,10 +14,15 @@ import numpy as np
 
 from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
-from driftproof.blackbox.stepper.forms_by_values import further_numbers
-from driftproof.blackbox.stepper.named_answers import CLOCK_ERROR, named_parts, parts_of, role_in_state
-from driftproof.blackbox.stepper.wrapper_parts import is_before
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
+from driftproof.blackbox.stepper.states.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.states.named_answers import (
+    CLOCK_ERROR,
+    is_before,
+    named_parts,
+    parts_of,
+    role_in_state,
+)
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:

@@ -14,10 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper import wrapper_parts as common
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, STATE, word_of
-from driftproof.blackbox.stepper.made_wrappers import function_argument, public_methods
-from driftproof.blackbox.stepper.wrapper_parts import TRIAL_ARGUMENTS, arguments_by_role, call_by_names, defined
+from driftproof.blackbox.stepper.states.named_answers import is_before
+from driftproof.blackbox.stepper.wrappers import wrapper_parts as common
+from driftproof.blackbox.stepper.wrappers.made_wrappers import function_argument, public_methods
+from driftproof.blackbox.stepper.wrappers.wrapper_parts import (
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    call_by_names,
+    defined,
+)
 
 # Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
 _MOST_OPEN = 2
@@ -67,7 +73,7 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, st
     left = [each for each in names if each not in given]
     time = ", t for the time" * (kind == FIELD and len(left) == 1 and {"t", "t + h"}.isdisjoint(given.values()))
     said = f"  # write values for {', '.join(map(str.upper, left))}{time}" if left else ""
-    if len(left) == 1 and common.is_before(left[0]):
+    if len(left) == 1 and is_before(left[0]):
         if line := _two_step_run(step, names, given, kind):
             return line
         said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"

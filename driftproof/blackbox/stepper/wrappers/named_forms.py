@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.function_wrappers import gradients_of
-from driftproof.blackbox.stepper.wrapper_parts import (
+from driftproof.blackbox.stepper.states.named_answers import is_before
+from driftproof.blackbox.stepper.wrappers.function_wrappers import gradients_of
+from driftproof.blackbox.stepper.wrappers.wrapper_parts import (
     TRIAL_ARGUMENTS,
     arguments_by_role,
     called_with,
-    is_before,
     kind_by_names,
     plain_role,
 )

@@ -8,7 +8,7 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.records import record_forms
+from driftproof.blackbox.stepper.states.records import record_forms
 from tests.looping import exactly
 
 

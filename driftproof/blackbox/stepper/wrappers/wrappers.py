@@ -8,12 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.asked_functions import asked_step
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import function_wrapper
-from driftproof.blackbox.stepper.kept_state_wrappers import advance_of, further_names, making, object_wrapper
-from driftproof.blackbox.stepper.made_wrappers import maker_wrapper, owner_of
-from driftproof.blackbox.stepper.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
+from driftproof.blackbox.stepper.wrappers.asked_functions import asked_step
+from driftproof.blackbox.stepper.wrappers.function_wrappers import function_wrapper
+from driftproof.blackbox.stepper.wrappers.kept_state_wrappers import advance_of, further_names, making, object_wrapper
+from driftproof.blackbox.stepper.wrappers.made_wrappers import maker_wrapper, owner_of
+from driftproof.blackbox.stepper.wrappers.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
 # What to write where no wrapper is known, and where a right-hand side is built in.
 OWN_STEP = " a step(f, t, y, h), or step(force, q, v, h), of your own"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.stepper.function_wrappers import class_run_wrapper, run_of_class
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.function_wrappers import class_run_wrapper, run_of_class
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from driftproof.blackbox.verify import verify
 from tests.blackbox.stepper.styles import is_read_as, namespace, pasted
 

@@ -7,8 +7,8 @@ import pytest
 
 from driftproof import Allowance, verify
 from driftproof.blackbox.findings import BadInput
-from driftproof.blackbox.stepper.named_forms import named_forms
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.wrappers.named_forms import named_forms
 
 
 def of_two_gradients(q, p, dt, dVdq, dTdp, last=-1):

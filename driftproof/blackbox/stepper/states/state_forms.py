@@ -11,9 +11,16 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, WrongShape
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in, one_number
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention
-from driftproof.blackbox.stepper.records import adapter_of, further_fields, record_of
+from driftproof.blackbox.stepper.states.array_adapters import (
+    AnyNumber,
+    ArrayAdapter,
+    Foreign,
+    as_array,
+    floats_in,
+    one_number,
+)
+from driftproof.blackbox.stepper.states.records import adapter_of, further_fields, record_of
 
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:

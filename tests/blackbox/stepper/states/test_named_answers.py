@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from driftproof import verify
-from driftproof.blackbox.stepper.named_answers import clock_of, goes_on, part_pair, run_parts
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.states.named_answers import clock_of, goes_on, part_pair, run_parts
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,8 @@
 import pytest
 
 from driftproof import field_stepper_of, identify, verify
-from driftproof.blackbox.stepper.made_wrappers import attribute_of, put_wrapper
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.made_wrappers import attribute_of, put_wrapper
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import is_read_as, namespace, pasted
 
 CLASSES = """

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.states.array_adapters import Foreign
 
 # Steps so short that nearly nothing moves by more than this, the second where a system is stiff; and one in which the
 # system does.

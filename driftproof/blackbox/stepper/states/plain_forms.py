@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import StaleSlope, WrongShape
-from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     BODY_LISTS,
     CARRIED,
@@ -29,7 +28,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
     required_names,
     word_of,
 )
-from driftproof.blackbox.stepper.forms_by_values import Numbers, forms_of_an_array
+from driftproof.blackbox.stepper.states.array_adapters import Foreign
+from driftproof.blackbox.stepper.states.forms_by_values import Numbers, forms_of_an_array
 
 # Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
 _SIZE, _OUT, _MASS, _BODIES, _SPACE = "size", "out", "mass", "bodies", "space"

@@ -12,12 +12,14 @@ import numpy as np
 
 from driftproof.blackbox.findings import NotANumber
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import Foreign, as_array
+from driftproof.blackbox.stepper.states.array_adapters import Foreign, as_array
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 CLOCK_ERROR = 2.0**-8
 # Endings of the names of new values.
 _NEW = re.compile("_?(new|next|out|1)$")
+# What the names of earlier states and slopes hold.
+_BEFORE = re.compile("prev|old|last|before|nm1")
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:
@@ -95,3 +97,8 @@ def goes_on(before: float, after: float, h: float) -> bool:
 def role_in_state(name: str) -> str | None:
     """The role that the name of a part has in a state of the oscillator: position, velocity, time, or none."""
     return calling.role_of(name, (calling.POSITION, calling.VELOCITY, calling.TIME))
+
+
+def is_before(name: str) -> bool:
+    """True if it is the name of a state or a slope before the present one."""
+    return bool(_BEFORE.search(name.lower()))

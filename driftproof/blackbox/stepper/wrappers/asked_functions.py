@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper import wrapper_parts as common
+from driftproof.blackbox.stepper.wrappers import wrapper_parts as common
 
 # Names of control inputs, which a step hands on to its function; 0 is given where it computes with them as well.
 CONTROL_INPUTS = ("u", "uk", "u_k", "control", "controls", "ctrl", "action", "input", "inputs", "torque", "thrust")

@@ -7,7 +7,7 @@ import pytest
 from driftproof import verify
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import Target
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import namespace, pasted
 
 CLASSES = """

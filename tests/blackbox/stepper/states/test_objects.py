@@ -13,8 +13,8 @@ from driftproof.blackbox.checks.determinism import repeats
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.states.objects import field_stepper_of, stepper_of
 from driftproof.blackbox.verify import verify
 from tests.blackbox.transcripts import summed
 

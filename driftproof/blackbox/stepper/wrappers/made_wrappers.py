@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper import wrapper_parts as common
-from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
-from driftproof.blackbox.stepper.wrapper_parts import arguments_by_role, defined, name_of, plain_role
+from driftproof.blackbox.stepper.wrappers import wrapper_parts as common
+from driftproof.blackbox.stepper.wrappers.asked_functions import CONTROL_INPUTS
+from driftproof.blackbox.stepper.wrappers.wrapper_parts import arguments_by_role, defined, name_of, plain_role
 
 # The usual names of a method that makes a step.
 ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")

@@ -17,7 +17,6 @@ ARGUMENTS = {FUNCTION: "f", calling.TIME: "t", STATE: "y", calling.POSITION: "q"
 _HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h", STATE: "t, y, h"}
 # What asks for a time, and the statements that stand before the one with a call.
 _TIMED, _BEFOREHAND = re.compile(r"(?<![.\w])t\b"), re.compile("‹(.*?)›")
-_BEFORE = re.compile("prev|old|last|before|nm1")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
 TRIAL_ARGUMENTS: dict[str, Any] = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
@@ -149,11 +148,6 @@ def _further_arguments(kind: str, texts: Collection[str]) -> Iterator[tuple[str,
         yield "force(q)", calling.ROLES[calling.CARRIED]
     if kind != FIELD:
         yield "1.0", calling.UNIT_PARAMETERS if kind == MAP else calling.MASSES
-
-
-def is_before(name: str) -> bool:
-    """True if it is the name of a state or a slope before the present one."""
-    return bool(_BEFORE.search(name.lower()))
 
 
 def function_of(kind: str) -> str:

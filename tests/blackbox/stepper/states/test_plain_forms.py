@@ -9,7 +9,7 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.plain_forms import plain_forms
+from driftproof.blackbox.stepper.states.plain_forms import plain_forms
 from tests.blackbox.transcripts import Asked, summed
 
 

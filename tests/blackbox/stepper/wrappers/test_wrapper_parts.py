@@ -4,7 +4,7 @@ import pytest
 
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import namespace
 
 

@@ -12,13 +12,20 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper import made_wrappers as objects
-from driftproof.blackbox.stepper import wrapper_parts as common
-from driftproof.blackbox.stepper.asked_functions import CONTROL_INPUTS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, FUNCTION, STEP, TIME, required_names, role_of
-from driftproof.blackbox.stepper.function_wrappers import class_run_wrapper
-from driftproof.blackbox.stepper.made_wrappers import ADVANCES, Made, attribute_of, attributes_of, function_argument
-from driftproof.blackbox.stepper.wrapper_parts import name_of, plain_role
+from driftproof.blackbox.stepper.states.named_answers import is_before
+from driftproof.blackbox.stepper.wrappers import made_wrappers as objects
+from driftproof.blackbox.stepper.wrappers import wrapper_parts as common
+from driftproof.blackbox.stepper.wrappers.asked_functions import CONTROL_INPUTS
+from driftproof.blackbox.stepper.wrappers.function_wrappers import class_run_wrapper
+from driftproof.blackbox.stepper.wrappers.made_wrappers import (
+    ADVANCES,
+    Made,
+    attribute_of,
+    attributes_of,
+    function_argument,
+)
+from driftproof.blackbox.stepper.wrappers.wrapper_parts import name_of, plain_role
 
 # The usual names of a method that is given a force.
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
@@ -50,7 +57,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     ways = (each for base in cls.__mro__ for each in (*ADVANCES, "__call__") if each in vars(base))
     if not (own := own or next(ways, None) or _only_step(cls)) or not calling.names_with_step(getattr(cls, own)):
         return ""
-    if sum(map(common.is_before, required_names(cls) or ())) == 1:
+    if sum(map(is_before, required_names(cls) or ())) == 1:
         return _two_states_wrapper(cls, own)
     return objects.class_wrapper(cls, own)
 
@@ -128,7 +135,7 @@ def _two_states_wrapper(cls: type, advance: str) -> str:
     with suppress(Exception):
         names, function, taken = required_names(cls) or [], function_argument(cls), objects.names_taken(cls, advance)
         begun = cls(*[(lambda *x: 0.0) if each == function else 0.0 for each in names])
-        before = next(each for each in vars(begun) if common.is_before(each))
+        before = next(each for each in vars(begun) if is_before(each))
         now = next(each for each in vars(begun) if role_of(each, (calling.POSITION, calling.STATE)))
         handed = function or any(plain_role(each) == FUNCTION for each in taken)
         kind = FORCE if common.takes_force((*names, *taken)) or not handed else FIELD

@@ -12,7 +12,7 @@ from driftproof.blackbox.findings import Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, CallingConvention
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.state_forms import IN_PLANE, VECTORS, CompiledCallback, forms_of
+from driftproof.blackbox.stepper.states.state_forms import IN_PLANE, VECTORS, CompiledCallback, forms_of
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 

@@ -1,0 +1,1 @@
+"""Forms of states: how a step takes and returns numbers, in arrays, records, objects, lists, or what it writes into."""
