@@ -23,8 +23,8 @@ from driftproof.blackbox.findings import BadInput, Remarked, UnsupportedCall, ar
 from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
-from driftproof.blackbox.judging.own_system import NoSlopes, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
+from driftproof.blackbox.judging.systems.own_system import NoSlopes, OwnSystem
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections

@@ -156,7 +156,7 @@ def _float_step(method: Method) -> Step:
     """The method's step; an implicit one solves its stages by Newton's method, whose evaluations of the force count."""
     if method.explicit:
         return float_stepper(method)
-    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
+    from driftproof.numeric.steps.implicit import StageEquationsUnsolved, implicit_runner
 
     run = implicit_runner(method, VectorField(("y1", "-y0")))
 

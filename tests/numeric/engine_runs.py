@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.programs.stepping import stepper
-from driftproof.numeric.engine import compiled_runner, runner
+from driftproof.numeric.steps.engine import compiled_runner, runner
 
 OSCILLATOR, PENDULUM = VectorField(("y1", "-y0")), VectorField(("y1", "-sin(y0)"))
 

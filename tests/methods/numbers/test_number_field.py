@@ -229,7 +229,7 @@ def test_methods_of_rational_coefficients_are_read_without_flint(modules_after: 
     read = "from driftproof.methods.catalogue import METHODS; METHODS[{!r}]"
     assert "flint" not in modules_after(read.format("rk4"))
     assert "flint" in modules_after(read.format("gauss2"))
-    assert "flint" not in modules_after("import driftproof.numeric.run, driftproof.numeric.engine")
+    assert "flint" not in modules_after("import driftproof.numeric.run, driftproof.numeric.steps.engine")
 
 
 def test_an_end_may_be_as_near_to_the_root_as_it_likes() -> None:

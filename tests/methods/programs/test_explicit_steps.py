@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.programs.explicit_steps import array_step, field_source
 from driftproof.methods.schemes import MethodError, RungeKutta
-from driftproof.numeric.engine import runner
+from driftproof.numeric.steps.engine import runner
 from tests.float_bits import bits
 from tests.methods.tables.entries import EXPLICIT
 

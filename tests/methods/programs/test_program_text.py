@@ -13,7 +13,7 @@ from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.programs.explicit_steps import field_source
 from driftproof.methods.programs.program_text import maker
 from driftproof.methods.schemes import MethodError, Nystrom, Splitting
-from driftproof.numeric.engine import compiled_runner, runner
+from driftproof.numeric.steps.engine import compiled_runner, runner
 from tests.float_bits import bits
 from tests.numeric.engine_runs import OSCILLATOR, PENDULUM
 

@@ -1,0 +1,1 @@
+"""Steps of methods in floats: the engine and its loops, implicit stages, multistep methods, controlled step sizes."""
