@@ -208,9 +208,9 @@ _BETWEEN = ([0, 0], [1, -1])
 
 
 def _square_root(x: sympy.Expr) -> sympy.Expr:
-    """The square root of x > 0, unevaluated for a CRootOf: to find its sign, SymPy would list all roots."""
+    """The square root of x > 0, factor by factor: to find the sign of a product, SymPy would list all roots."""
     factor, root = x.as_coeff_Mul()
-    return sympy.sqrt(factor) * sympy.Pow(root, sympy.S.Half, evaluate=not root.atoms(sympy.CRootOf))
+    return sympy.sqrt(factor) * sympy.sqrt(root)
 
 
 def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:

@@ -232,3 +232,18 @@ def test_the_estimate_of_a_pair_of_ones_own_is_held_to_it():
     found = identify_solver(wrong, pair, isolate=False)
     assert found.passed is False
     assert "where the estimate of own32 is 0" in found.verdict
+
+
+def one_more(f, t_span, y0, h):
+    """Steps that no linear stages make, one more than there is room for."""
+    y, t, n = [np.array(y0)], [t_span[0]], round((t_span[1] - t_span[0]) / h)
+    for _ in range(n + 1):
+        y.append(y[-1] + h * np.tanh(f(t[-1], y[-1])))
+        t.append(t[-1] + h)
+    return t, y
+
+
+def test_what_runs_show_is_said_of_a_solver_whose_steps_are_not_read():
+    report = identify_solver(one_more, isolate=False)
+    assert report.verdict.startswith("its steps are not read: ")
+    assert "one step too many" in report.verdict

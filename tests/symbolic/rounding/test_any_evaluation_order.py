@@ -14,7 +14,12 @@ from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
-from driftproof.symbolic.rounding.any_evaluation_order import LinearSizes, any_order_columns, flushed_columns
+from driftproof.symbolic.rounding.any_evaluation_order import (
+    ErrorTally,
+    LinearSizes,
+    any_order_columns,
+    flushed_columns,
+)
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at
@@ -165,3 +170,9 @@ def test_a_coefficient_in_the_underflow_range_is_refused():
     assert len(any_order_columns(tiny, BINARY32, BITS)) == 2
     with pytest.raises(ValueError, match="the coefficient 1/1000000 is so small that it underflows in binary16"):
         any_order_columns(tiny, BINARY16, BITS)
+
+
+def test_a_zero_is_no_term_from_either_side_and_adds_no_rounding():
+    one, none = ErrorTally(3), ErrorTally(0)
+    assert [(one + none).additions, (none + one).additions, (one + one).additions] == [0, 0, 1]
+    assert [(one + none).size, (none + one).size, (one + one).size] == [3, 3, 6]

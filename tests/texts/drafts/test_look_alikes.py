@@ -204,3 +204,10 @@ def test_a_time_in_its_column_is_no_value():
     assert suggestions.look_alikes(y)[0].strong
     assert suggestions.look_alikes(time)
     assert not any(one.strong for one in suggestions.look_alikes(time))
+
+
+def test_a_clause_before_says_whether_the_step_that_changes_an_error_gets_smaller():
+    text = "y' = 0.8*y*(1 - y/5), y(0) = 0.5, to t = 5 with h = 0.5 or 0.25. "
+    suggestions = Suggestions(f"{text}From h = 0.5 to h = 0.25; the error of RK4 falls by the factor 15.7.")
+    (falls,) = suggestions.words
+    assert suggestions.look_alikes(falls)[0].question.startswith("1 - ratio(run rk4 ")

@@ -92,3 +92,8 @@ def test_an_asked_value_of_one_digit_needs_two_names_nearby():
 def test_the_numbers_of_a_value_are_those_chosen_and_the_time_of_so_many_of_the_first_steps():
     two = KnownValue("run rk4 h=1/2 N=3 : q - run rk4 h=1/4 N=6 : q", value("1"), ("3",))
     assert two.numbers == [{3, Q(3, 2)}]
+
+
+def test_a_count_of_steps_is_of_the_step_size_before_it_in_its_sentence_or_else_of_the_first_after_it():
+    for said in ("With h = 0.1, 20 steps of Euler end at y = 0.1216", "20 steps with h = 0.1, not 0.05, of Euler"):
+        assert Suggestions(f"y' = -y, y(0) = 1. {said}.").values._counts == [(20, {Q(1, 10)})]
