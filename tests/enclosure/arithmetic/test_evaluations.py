@@ -70,9 +70,10 @@ def test_floor_is_one_integer_or_refused(x, span, found):
 
 
 def test_model_is_floored_both_ways_unless_it_goes_forward():
-    falls_before = TaylorModel([arb(2.25), arb(0.5)], 3)
-    with pytest.raises(Refused, match="overlap"):
-        Evaluation(span=JUST_AFTER).floor(falls_before)
+    falls_before, rises_after = TaylorModel([arb(2.25), arb(0.5)], 3), TaylorModel([arb(2.875), arb(0.25)], 3)
+    for model in (falls_before, rises_after):
+        with pytest.raises(Refused, match="overlap"):
+            Evaluation(span=JUST_AFTER).floor(model)
 
 
 def test_a_model_is_positive_if_it_is_at_both_ends_of_its_time_and_a_series_where_it_begins():

@@ -114,6 +114,16 @@ def test_long_exact_curve_still_reaches_both_sides_everywhere():
     assert np.median(np.abs(np.diff(ys))) > 50
 
 
+@pytest.mark.parametrize(("end", "axis"), [(Q(0), (0, 1)), (Q(3), (0, 3)), (Q(-3), (-3, 0))])
+def test_times_go_from_zero_to_the_end_or_to_one_if_that_is_zero(end, axis, monkeypatch):
+    scene, made = Scene("s", "rk4", Q(1) if end >= 0 else Q(-1), end, readouts=("trajectory",)), []
+    run = drawing.SampledRun(scene, "rk4", times_of_steps(scene.h, 0), np.zeros((1, 2)), "id")
+    linear = drawing.linear
+    monkeypatch.setattr(drawing, "linear", lambda *given: made.append(given) or linear(*given))
+    drawing.position(run)
+    assert made[0][:2] == axis
+
+
 def test_run_without_any_step_is_drawn():
     scene = Scene("s", "rk4", Q(1), Q(0), (Q(0), Q(0)), readouts=("trajectory",))
     run = drawing.SampledRun(scene, "rk4", times_of_steps(Q(1), 0), np.zeros((1, 2)), "id")
