@@ -46,9 +46,10 @@ _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own 
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS, FIRST_CALL = "Error estimate", "Dense output", "State", "First call"
-ELSEWHERE, BACK, FIRST_ONLY = "Steps elsewhere", "Steps back", " for its first step only"
+ELSEWHERE, BACK, LATER, FIRST_ONLY = "Steps elsewhere", "Steps back", "Later steps", " for its first step only"
 # How a verdict ends if one of these alone fails.
-ONLY = {ELSEWHERE: ", but not everywhere", BACK: " for h > 0 only", STATE_FORMS: ", but not for every form of state"}
+ONLY = {ELSEWHERE: ", but not everywhere", BACK: " for h > 0 only", LATER: FIRST_ONLY}
+ONLY |= {STATE_FORMS: ", but not for every form of state"}
 _UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 SINGLE_STEP_CRITERIA = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
@@ -104,7 +105,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(BACK, against(back_and_on), _judge_calls, ONLY[BACK]),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
-        Question("Later steps", later, _judge_calls, FIRST_ONLY),
+        Question(LATER, later, _judge_calls, ONLY[LATER]),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ONLY[STATE_FORMS]),
         Question(FIRST_CALL, again, _judge_calls, ", but not in every call"),
     ]

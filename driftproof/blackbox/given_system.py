@@ -12,7 +12,8 @@ import numpy as np
 
 from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.checks.trials import CheckResult
-from driftproof.blackbox.criteria import BACK, ELSEWHERE, FIRST_CALL, ONLY, STATE_FORMS
+from driftproof.blackbox.criteria import BACK, ELSEWHERE, FIRST_CALL, LATER, ONLY, STATE_FORMS
+from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import (
     CRASHES,
     NO_EVIDENCE,
@@ -256,8 +257,12 @@ def _checked(
     return [] if wanted.domain.begins else check(of_two(steps))
 
 
+def _later(steps: GivenSteps, wanted: Specification) -> StepFinding:
+    return later_steps(of_two(steps), explicit=wanted.method.explicit)
+
+
 # Further questions, by the titles of those that are asked without a system.
-_FURTHER = {ELSEWHERE: _elsewhere, BACK: back, STATE_FORMS: _forms}
+_FURTHER = {ELSEWHERE: _elsewhere, BACK: back, LATER: _later, STATE_FORMS: _forms}
 
 
 def report_on_system(

@@ -24,7 +24,7 @@ from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
-from driftproof.blackbox.judging.systems.own_system import NoSlopes, OwnSystem
+from driftproof.blackbox.judging.systems.own_system import AsOnOwnSystem, NoSlopes, OwnSystem
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
@@ -189,11 +189,14 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         return found
     of_own = rounding.kind in (OwnSystem.kind, NoSlopes.kind) and seen.passed is None
     wrong, others = _faults_of_any_method(runner, rounding.kind == NoSlopes.kind) if of_own else ([], [])
+    beside, later = f"is not {method.key}", seen.outcomes[criteria.LATER].result
+    if rounding.kind == AsOnOwnSystem.kind and later is not None and later.holds is False:
+        beside, wrong = f"is {method.key} on its own system{criteria.FIRST_ONLY}", [later.words]
     parts, data = criteria_parts([*seen.checks.values()], seen.passed if not wrong else False)
     data |= {"remarks": [], "calls_made": made}
     if wrong:
         parts.append(("Faults", [*wrong, *others]))
-        return Report(target, f"is not {method.key}: {wrong[0]}", False, sections(*parts), {**data, "faults": wrong})
+        return Report(target, f"{beside}: {wrong[0]}", False, sections(*parts), {**data, "faults": wrong})
     if seen.passed is False:
         refuted = _refutation(runner, seen)
         data["instead"] = refuted.instead.report.data

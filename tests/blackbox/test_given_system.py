@@ -178,6 +178,26 @@ class Hasty(DrivenSpring):
     stale = True
 
 
+class Carrying:
+    """Velocity Verlet of an object made in a state, whose force goes with it; or keeps the one that it began with."""
+
+    stale = False
+
+    def __init__(self, x, v, dt):
+        self.x, self.v, self.dt, self.force = np.array(x, float), np.array(v, float), dt, -np.sin(x)
+
+    def update(self):
+        half = self.v + self.dt / 2 * self.force
+        self.x = self.x + self.dt * half
+        self.v = half - self.dt / 2 * np.sin(self.x)
+        if not self.stale:
+            self.force = -np.sin(self.x)
+
+
+class Kept(Carrying):
+    stale = True
+
+
 def swinging(t, y):
     return np.array([y[1], np.cos(t) - np.sin(y[0])])
 
@@ -186,6 +206,7 @@ def swinging(t, y):
     (DrivenSpring, "heun2", swinging, "def wrapped(t, y, h): made = {}(); made.t = t; made.y = 1.0 * y; made."),
     (Thrown, "heun2", lambda y: [*y[2:], *-np.hypot(*y[2:]) * y[2:]], 'stepper_of({}, state="state", advance="step")'),
     (Driven, "midpoint2", lambda t, y: [np.sin(2 * t) - y[0]], "def wrapped(t, y, h): import numpy; made = {}(); "),
+    (Carrying, "velocity_verlet", lambda y: [y[1], -np.sin(y[0])], "def wrapped(q, v, h, n): made = {}(1.0 * q, "),
 ])  # fmt: skip
 def test_a_wrapper_that_is_shown_beside_a_system_keeps_that_of_the_code(cls, method, system, line):
     for each in exactly(2, (cls, *cls.__subclasses__())):

@@ -107,11 +107,11 @@ class _Opening:
             return opened(form, None, None, self.before, self.after)
         if found and not _stands_still(found):
             return (self._as_plain() if _of_many(found) else None) or found
-        if found := self._as_system(conventions, found) or found:
-            return found
+        if system := self._as_system(conventions, found):
+            return system
         if inspect.isclass(self.step):
             self._refuse_class()
-        return self._last_resort()
+        return found or self._last_resort()
 
     def _first_of(self, attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
         """What the first attempt gives that does not fail."""
@@ -185,7 +185,8 @@ class _Opening:
     def _refuse_class(self) -> None:
         """Raises BadInput with the wrapper that a class needs, if one is known."""
         line = _tried_out(wrappers.wrapper_line(self.step, self.keeps), self.step)
-        if isinstance(self.failures[0], findings.NotANumber):  # its call makes an object
+        line = line or _tried_out(wrappers.built_in_wrapper(self.step), self.step)
+        if not self.failures or isinstance(self.failures[0], findings.NotANumber):  # its call makes an object
             line = line or wrappers.template(self.given)
         if line:
             raise findings.BadInput(f"{_unfitting(self.given)}{line}")
@@ -220,10 +221,10 @@ def _read_by_values(form: Callable[..., Any], *options: Any) -> ForeignStepper:
 
 
 def _stands_still(subject: ForeignStepper) -> bool:
-    """True if the state of a built-in system is where it was after its first step, as both ends of a grid are."""
+    """True if the state of a class, or of a built-in system as at the ends of a grid, is where it was after a step."""
     given = subject.convention
-    still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE)
-    return still and given.kind == calling.MAP and calling.STATE in given.order
+    still = subject.begun is not None and np.array_equal(subject.begun[1], TRIAL_STATE[: len(subject.begun[1])])
+    return still and (inspect.isclass(subject.function) or (given.kind == calling.MAP and calling.STATE in given.order))
 
 
 def _of_many(subject: ForeignStepper) -> bool:

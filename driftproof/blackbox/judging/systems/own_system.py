@@ -84,7 +84,7 @@ def _reset_clock(subject: ForeignStepper) -> str:
 def own_system(subject: ForeignStepper, domain: Domain) -> OwnSteps | None:
     """The system that a stepper has built in, if it is not q'' = -q. Raises OwnSystem if no slopes of it are seen."""
     given = subject.convention
-    if given.kind != MAP or given.extra or CARRIED in given.order:
+    if given.kind != MAP or given.extra.keys() & subject.parameters.keys() or CARRIED in given.order:
         return None
     system = system_of(subject, domain)
     return None if system is None or system.oscillates(ROUGH) else system

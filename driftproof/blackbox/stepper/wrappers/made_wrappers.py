@@ -227,9 +227,12 @@ def scope_of(step: Callable[..., Any]) -> dict[str, Any]:
     return {**module, name_of(owner): owner, "made": made, name_of(step): step}
 
 
-def class_wrapper(cls: type, own: str) -> str:
-    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
-    if (made := _by_names(cls, own)) is None:
+def class_wrapper(cls: type, own: str, *, built_in: bool = False) -> str:
+    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it.
+
+    Where its system is `built_in`, it is made of the state and the step size alone.
+    """
+    if (made := _by_names(cls, own, built_in)) is None:
         return ""
     state = {"y"} if made.kind == FIELD else {"q", "v"}
     returns = state <= {*made.call.values()} or "[q, v]" in made.call.values()
@@ -237,7 +240,7 @@ def class_wrapper(cls: type, own: str) -> str:
         made = made.fitted()
     with suppress(Exception):
         kept = made.new()["made"]
-        roles = (calling.POSITION, calling.VELOCITY) if made.kind == FORCE else (calling.STATE,)
+        roles = (calling.STATE,) if made.kind == FIELD else (calling.POSITION, calling.VELOCITY)
         places = [] if returns else [attribute_of(kept, role) for role in roles]
         texts = {TIME: "t", STEP: "h"} if made.kind == FIELD else {STEP: "h"}
         puts = {attribute_of(kept, role): text for role, text in texts.items() if text not in made.given}
@@ -247,8 +250,8 @@ def class_wrapper(cls: type, own: str) -> str:
     return made.line() if returns else ""
 
 
-def _by_names(cls: type, own: str) -> Made | None:
-    """A class with its method as the names of all arguments tell; None if they do not, or none is a function."""
+def _by_names(cls: type, own: str, built_in: bool) -> Made | None:
+    """A class with its method as the names of all arguments tell; None if they do not, or none is a needed function."""
     names, taken = required_names(cls) or [], names_taken(cls, own)
     with_size = calling.names_with_step(cls) or []  # where a class is made with a step size that has a default
     if STEP not in map(plain_role, taken) and [*(calling.parameters_of(cls) or ())][: len(with_size)] == with_size:
@@ -261,11 +264,9 @@ def _by_names(cls: type, own: str) -> Made | None:
         call = {each: call.get(each, "None") for each in taken}
     if kind == FORCE and {*call.values()} - {"h"} == {"q"}:  # of one argument, that is all of the state
         call = {each: "[q, v]" if text == "q" else text for each, text in call.items()}
-    made, functions = (
-        Made(kind, cls, given, call, f".{own}" * (own != "__call__")),
-        {common.function_of(kind), _OF_STATE},
-    )
-    if len(given) < len(names) or len(call) < len(taken) or not functions & made.given:
+    made = Made(kind, cls, given, call, f".{own}" * (own != "__call__"))
+    needed = {"h"} if built_in and kind == calling.MAP else {common.function_of(kind), _OF_STATE}
+    if len(given) < len(names) or len(call) < len(taken) or not needed & made.given:
         return None
     return made._replace(arguments={**given, **unit_masses(cls)}) if kind == FORCE else made
 

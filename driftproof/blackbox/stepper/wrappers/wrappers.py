@@ -12,7 +12,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.wrappers.asked_functions import asked_step
 from driftproof.blackbox.stepper.wrappers.function_wrappers import function_wrapper
 from driftproof.blackbox.stepper.wrappers.kept_state_wrappers import advance_of, further_names, making, object_wrapper
-from driftproof.blackbox.stepper.wrappers.made_wrappers import maker_wrapper, owner_of
+from driftproof.blackbox.stepper.wrappers.made_wrappers import class_wrapper, maker_wrapper, owner_of
 from driftproof.blackbox.stepper.wrappers.wrapper_parts import ARGUMENTS, kind_by_names, name_of, plain_role
 
 # What to write where no wrapper is known, and where a right-hand side is built in.
@@ -31,6 +31,12 @@ def wrapper_line(step: Callable[..., Any], own: bool = False) -> str:
         line = maker_wrapper(step) if roles and roles <= {calling.FUNCTION, calling.STEP} else function_wrapper(step)
         if (not line or "  # " in line) and (asked := asked_step(step)):
             line = function_wrapper(asked) or line
+    return f": {line}" if line else ""
+
+
+def built_in_wrapper(cls: Any) -> str:
+    """The wrapper of a class that is made of a state and a step size, its system built in; "" if it is another one."""
+    line = class_wrapper(cls, advance_of(cls), built_in=True)
     return f": {line}" if line else ""
 
 
