@@ -84,6 +84,12 @@ def test_phase_and_growth_are_those_of_the_step():
         assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curves[name](x))) for x in h], abs=0.006)
 
 
+def test_an_axis_of_phases_is_as_long_as_they_are_and_shows_zero():
+    """Gauss's methods have |R(ih)| = 1, and turn by a little less than h."""
+    scale = picture("phase", METHODS["gauss3"]).y.scale
+    assert -1 < scale.low < -0.05 < 0 < scale.high < 0.1
+
+
 def test_a_picture_is_no_deeper_than_ten_no_smaller_than_one_and_no_farther_than_twelve():
     """R = 1 + z + z² + z³ is 0 at i; |1 + z + 100 z²| <= 1 is small; Gauss's region ends at an axis."""
     own = lambda a, *weights: replace(METHODS["rk4"], a=a, b=weights, c=tuple(map(sum, a)))

@@ -114,3 +114,10 @@ def test_a_doubt_of_a_number_in_words_stands_where_they_do():
     claims = draft(document, "a")
     assert [(one.words, one.place(document, []).start) for one in doubts_of(claims)] == [("five", 8), ("three", 51)]
     assert 'spelled = "words"' in claims
+
+
+@pytest.mark.parametrize("before", ["", "\n", "\n\nSay.\n"])
+def test_the_line_of_a_number_is_its_own_whatever_stands_before(before):
+    suggestions = Suggestions(f"{before}y' = -y, y(0) = 1, with h = 0.5 to 7.\nAt t = 3 it is 0.04.")
+    last = numbers_in(suggestions.text)[-1]
+    assert suggestions._on_line_of(last) == {3}
