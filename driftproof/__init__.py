@@ -11,6 +11,7 @@ __version__ = "0.2.0"
 _MODULES = {
     "identify": "blackbox.identify", "Allowance": "blackbox.judging.specification",
     "Domain": "blackbox.judging.specification", "identify_solver": "blackbox.solvers.identify_solver",
+    "assert_verified_solver": "blackbox.solvers.identify_solver",
     "field_stepper_of": "blackbox.stepper.states.objects", "stepper_of": "blackbox.stepper.states.objects",
     "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
     "certify": "enclosure.certify", "Refused": "enclosure.arithmetic.evaluations", "METHODS": "methods.catalogue",
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from driftproof.blackbox.identify import identify as identify
     from driftproof.blackbox.judging.specification import Allowance as Allowance
     from driftproof.blackbox.judging.specification import Domain as Domain
+    from driftproof.blackbox.solvers.identify_solver import assert_verified_solver as assert_verified_solver
     from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
     from driftproof.blackbox.stepper.states.objects import field_stepper_of as field_stepper_of
     from driftproof.blackbox.stepper.states.objects import stepper_of as stepper_of

@@ -74,11 +74,11 @@ BUDGETS = {
     "methods": 5619,
     "symbolic": 10698,
     "numeric": 4728,
-    "blackbox": 24712,
+    "blackbox": 24751,
     "enclosure": 5861,
     "texts": 11853,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6470
+BUDGET_OF_REPORTS_AND_FRONT = 6472
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

@@ -131,12 +131,22 @@ def assert_verified(
     >>> assert_verified(step, method="forward_euler", examples=50, isolate=False)
     """
     __tracebackhide__ = True
+    options: dict[str, Any] = {"examples": examples, "domain": domain, "allowance": allowance, "isolate": isolate}
+    asked = partial(verify, step, method, calls=calls, array=array, system=system, **options)
+    assert_report(asked, time_limit, allow_undecided)
+
+
+def assert_report(report_of: Callable[..., Report], time_limit: float | None, allow_undecided: bool) -> None:
+    """Raise AssertionError with the whole report, made in so many seconds, unless it passes: for `assert_verified`.
+
+    What it says is what is to be written in Python, where it has a form of its own for the command line.
+
+    >>> assert_report(lambda time_limit: Report("it", "is rk4", True, (), {}), None, allow_undecided=False)
+    """
+    __tracebackhide__ = True
     try:
         limit = (time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit
-        options: dict[str, Any] = {"examples": examples, "domain": domain, "allowance": allowance}
-        report = verify(
-            step, method, calls=calls, array=array, system=system, time_limit=limit, isolate=isolate, **options
-        )
+        report = report_of(time_limit=limit)
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(_SHELL.sub("", str(error))) from None
     if report.passed is None and not report.verdict.startswith(UNDECIDED):  # where a test fails for it
@@ -144,7 +154,7 @@ def assert_verified(
     found = AssertedVerdict(report.target, report.verdict, report.passed, _SHELL.sub("", report.text()), report.data)
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
-        warnings.warn(found.headline, RemarkWarning, stacklevel=2)
+        warnings.warn(found.headline, RemarkWarning, stacklevel=3)
 
 
 def _refuse_with_a_system(examples: int, domain: Domain, allowance: Allowance) -> None:

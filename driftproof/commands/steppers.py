@@ -69,7 +69,7 @@ def identify_command(options: Namespace) -> str:
     With --method the stepper is compared with that method: `driftproof verify --help` says what is checked.
 
     exit status: 0: a method is named, exactly or nearly; 1: none; 2: wrong input; 3: undecided.
-    Faults change nothing of that: a test of a solver holds identify_solver(solve).data["faults"] to what is allowed.
+    Faults change nothing of that: a test of a solver is assert_verified_solver(solve, "dormand_prince54").
     """
     return _examined(options)
 

@@ -49,8 +49,8 @@ def identify_solver(
     at every step that it makes; f(t, y) is supplied here. In place of rtol and atol it may take one tolerance, a step
     size as h or dt, a number of steps as n or steps, or nothing. The tableau of its steps is read through marked
     answers, up to a few roundings; of multistep methods, the recurrence and the start are read. The step size control
-    and runs with known solutions are measured, and the report says so. A test may hold that `report.data["faults"]` is
-    empty; what the solver does where f is NaN is among `report.data["remarks"]`. With a `method`, its `passed` is True
+    and runs with known solutions are measured, and the report says so. What the solver does where f is NaN is among
+    `report.data["remarks"]`, and no fault. With a `method`, its `passed` is True
     if the solver advances that and has no fault, False if it does not or has one, and None if its steps are not read.
     Raises ValueError if the solver cannot be imported or does not solve y' = 0, and for what is no method.
 
@@ -87,6 +87,35 @@ def identify_solver(
         if apart:
             return replace(report, verdict=f"is not {wanted.key}: {apart}; {report.verdict}", passed=False)
     return _held(report, found, wanted)
+
+
+def assert_verified_solver(
+    solve: Callable[..., Any] | str,
+    method: str | Path | Method | FurtherMethod,
+    *,
+    allow_undecided: bool = False,
+    time_limit: float | None = None,
+    isolate: bool = True,
+) -> None:
+    """Raise AssertionError with the whole report of `identify_solver` unless the solver passes: for a test.
+
+    It passes if it advances the method and has no fault, of its clock, its tolerances or its dense output, say. An
+    undecided verdict fails as well unless `allow_undecided` is true, and one that passes with a remark is warned of, as
+    by `assert_verified`, whose default time limit it has.
+
+    >>> from driftproof import assert_verified_solver
+    >>> def solve(f, t_span, y0):
+    ...     t, y, h = [t_span[0]], [y0], (t_span[1] - t_span[0]) / 64
+    ...     for n in range(64):
+    ...         y.append(y[-1] + h * f(t[-1], y[-1]))
+    ...         t.append(t_span[0] + (n + 1) * h)
+    ...     return t, y
+    >>> assert_verified_solver(solve, "forward_euler", isolate=False)
+    """
+    from driftproof.blackbox.verify import assert_report
+
+    __tracebackhide__ = True
+    assert_report(partial(identify_solver, solve, method, isolate=isolate), time_limit, allow_undecided)
 
 
 @dataclass(frozen=True)

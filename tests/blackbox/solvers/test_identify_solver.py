@@ -10,7 +10,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from driftproof import identify_solver
+from driftproof import assert_verified_solver, identify_solver
 from driftproof.blackbox.findings import NoAnswer
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
@@ -214,6 +214,30 @@ def test_a_solver_is_held_to_the_method_that_it_should_advance(name):
         identify_solver(solve, "sdirk_order_2")
 
 
+def heun(f, t_span, y0, n, bent=0.0):
+    h, y = (t_span[1] - t_span[0]) / n, [np.array(y0)]
+    t = [t_span[0] + k * h for k in range(n + 1)]
+    for each in t[:-1]:
+        slope = f(each, y[-1])
+        y.append(y[-1] + h / 2 * (slope + f(each + h, y[-1] + h * slope + bent * h**3 * np.sin(slope))))
+    return t, y
+
+
+def test_a_test_of_a_solver_fails_with_the_whole_report_unless_it_passes():
+    assert_verified_solver(heun, "heun2", isolate=False)
+    with pytest.raises(AssertionError, match="heun\n  is not midpoint2; it advances heun2, of order 2") as failure:
+        assert_verified_solver(heun, "midpoint2", isolate=False)
+    assert f"\n{identify_solver(heun, 'midpoint2', isolate=False)}".endswith(str(failure.value).partition("\n")[2])
+    with pytest.raises(AssertionError, match="undecided whether it is backward_euler: its steps are not read: "):
+        assert_verified_solver(unread, "backward_euler", isolate=False)
+    assert_verified_solver(unread, "backward_euler", allow_undecided=True, isolate=False)
+
+
+def unread(f, t_span, y0, n):
+    """Steps of order 2 that no linear stages make."""
+    return heun(f, t_span, y0, n, bent=1.0)
+
+
 def own_pair():
     """A pair of no catalogue, whose last stage is the first of the next step."""
     tenths = lambda *row: tuple(Fraction(x, 30) for x in row)
@@ -235,12 +259,9 @@ def test_the_estimate_of_a_pair_of_ones_own_is_held_to_it():
 
 
 def one_more(f, t_span, y0, h):
-    """Steps that no linear stages make, one more than there is room for."""
-    y, t, n = [np.array(y0)], [t_span[0]], round((t_span[1] - t_span[0]) / h)
-    for _ in range(n + 1):
-        y.append(y[-1] + h * np.tanh(f(t[-1], y[-1])))
-        t.append(t[-1] + h)
-    return t, y
+    """Steps that no linear stages make, and one more than there is room for."""
+    n = round((t_span[1] - t_span[0]) / h) + 1
+    return unread(f, (t_span[0], t_span[0] + n * h), y0, n)
 
 
 def test_what_runs_show_is_said_of_a_solver_whose_steps_are_not_read():
