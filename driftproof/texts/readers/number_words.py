@@ -15,7 +15,8 @@ _NAMES = (
 _SMALL, _TENS = map(str.split, _NAMES)
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
-# Sign of a change -> the words for it, the plainest first, and of a difference, behind "times" or "too".
+# Sign of a change -> the words for it, the plainest first; and of a difference, behind "times" or "too", or from the
+# exact value. The words of a difference have their opposites in the same places.
 _TRENDS = {
     1: "grows grow grew grown growing increases increase increased increasing rises rise rose risen rising gains gain "
     "gained",
@@ -23,7 +24,11 @@ _TRENDS = {
     "loses lose lost losing decays decayed drops dropped",
     0: "stays stay stayed staying keeps keep kept keeping",
 }
-_COMPARED = {1: "larger greater higher high large multiplies", -1: "smaller less lower low small divides", 0: ""}
+_COMPARED = {
+    1: "larger greater higher high large multiplies warm hot above overestimates overestimate overestimated overshoots",
+    -1: "smaller less lower low small divides cold cool below underestimates underestimate underestimated undershoots",
+    0: "",
+}
 # Number, or "oo" -> what only its sentence makes a number: "of second order", "halves the error", "for every h".
 _IN_SENTENCES = {
     **{str(n): ordinal for n, ordinal in _PARTS.items() if n not in (2, 4)},
@@ -43,7 +48,9 @@ _TREND = re.compile(rf"\b{WORDED_TREND}\b", re.IGNORECASE)
 _SAID = re.compile(
     rf"\b{WORD_OF_SENTENCE}(?=(?:[ -]order| the errors?| (?:h|(?:time )?step ?sizes?))\b)"
     rf"|(?:(?<= times )|(?<= times as )|(?<= too )){WORDED_TREND}\b"
-    r"|\b(?:(?:smaller|larger)(?= by\b)|(?:divides|multiplies)(?= the errors?\b))",
+    r"|\b(?:(?:smaller|larger)(?= by\b)|(?:divides|multiplies)(?= the errors?\b))"
+    r"|\b(?:(?:above|below)(?= (?:the )?(?:exact|true)\b)|(?:over|under)(?:estimate[sd]?|shoots)"
+    r"|(?:lower|higher|smaller|larger|less|greater)(?= than (?:the )?(?:exact|true)\b))\b",
     re.IGNORECASE,
 )
 _CHANGES = "|".join(f"{_TRENDS[1]} {_TRENDS[-1]}".split())

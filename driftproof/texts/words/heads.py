@@ -37,8 +37,8 @@ QUANTITY_WORDS = {
     "estimate": r"estimates?(?: of (?:the|its) error)?|error estimates?",
     "relative_error": r"relative(?: errors?)?",
     "error": r"errors?|distances?(?: (?:to|from) the (?:exact |true )?(?:state|solution|value|truth)s?)?|"
-    r"e_n|"
-    r"off(?= by)|wrong|deviat\w+|differ\w+",
+    r"(?:than|from|estimate[sd]?|shoots?) (?:the )?(?:exact|true|analytical)(?: \w+)?(?= by\b)|"
+    r"e_n|off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|truth|solution|analytical",
     "evaluations": r"evaluations|calls",
     "slope": r"slopes?|gradients?",

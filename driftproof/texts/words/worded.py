@@ -58,9 +58,9 @@ _STEP_GIVEN = re.compile(r"\bh ?=|\bfrom\b")
 # Of what is good, not of an error.
 _GOOD = re.compile(r"\b(?:accura\w+|precis\w+|digits?|efficien\w+|speed|cost|work|time|evaluations?|stable|interval)\b")
 _NUMBER_BEHIND = re.compile(
-    r"(?: (?!and\b|or\b|but\b)[a-z][\w'-]*){0,8}? by (?:(?:about|only|roughly|some|an?|the|factors?|of) )*\Z"
+    r"(?: (?!and\b|or\b|but\b)[a-z][\w'-]*){0,8}?,? by (?:(?:about|only|roughly|some|an?|the|factors?|of) )*\Z"
 )
-_NUMBER_BEFORE = re.compile(r" ?(?:\w{1,2} )?(?:times(?: as)?|too) \Z")
+_NUMBER_BEFORE = re.compile(r" ?(?:(?:\w{1,2}|%|percent) )?(?:(?:times(?: as)?|too) )?\Z")
 _POWERS_OF_TWO = ("two", "four", "eight", "sixteen")
 
 
@@ -134,15 +134,16 @@ def signed_by(question: str, far: str, before: str, after: str) -> str | None:
     """
     if question.startswith("power(") and (sign := _direction(far + before + after)):
         return f"{'-' * (sign < 0)}{question}"
+    question = re.sub(r"\Apercent\((.*), 1\)\Z", r"\1", question)
     quantity, runs = asked_quantity(question)[0], runs_asked(question)
     clause = flat(before.rpartition(",")[2])
     if _GOOD.search(clause):
         return None
     if quantity == "energy" and "_change" in question and not re.search(r"\b(?:errors?|drift)\b", clause):
         return re.sub(r"\Aabs\((.*)\)\Z", r"\1", question)
-    if quantity == "error":
+    if quantity in ("error", "relative_error"):
         unknowns = re.findall(r"(\w+)'+=", question)
-        run, _, of = question.rpartition(" : error")
+        run, _, of = question.rpartition(f" : {quantity}")
         name = of.removeprefix(".") or unknowns[0] if of or len(unknowns) == 1 else None
         return f"{run} : {name} - {run} : exact.{name}" if name and run.startswith("run ") else None
     if quantity not in COMPARED or not question.startswith("ratio(") or len(runs) != 2:

@@ -9,6 +9,15 @@ DECAY = "We solve y' = -2y, y(0) = 1 up to t = 1 with h = 0.1 and h = 0.05. "
 SPRING = "With x'' = -x, x(0) = 1, x'(0) = 0 and energy E = x'^2/2 + x^2/2 we take h = 0.1. "
 
 
+CUP = "A cup cools by T' = -0.1 (T - 20), T(0) = 90. With h = 2, to t = 10, "
+COLD = (
+    "Euler is too cold, by 2.814.", "Euler's value is 2.814 below the exact one.", "Euler underestimates T by 2.814.",
+    "Euler is lower than the exact solution by 2.814.", "Euler is 6.15 % too low.", "Euler underestimates T by 6.15 %.",
+)  # fmt: skip
+WARM = ((0, "cold", "warm"), (1, "below", "above"), (2, "under", "over"), (3, "lower", "higher"), (4, "low", "high"))
+WARM = [(n, *(word + "estimates" * (n == 2) for word in words)) for n, *words in WARM]
+
+
 @pytest.mark.parametrize(
     ("text", "slips"),
     [
@@ -30,6 +39,8 @@ SPRING = "With x'' = -x, x(0) = 1, x'(0) = 0 and energy E = x'^2/2 + x^2/2 we ta
         (f"{SPRING}Forward Euler spirals outward: E grows by 0.852 until t = 10.", {}),
         (f"{SPRING}Forward Euler spirals outward: E shrinks by 0.852 until t = 10.", {"shrinks": "grows"}),
         (f"{SPRING}With RK4 the energy falls by 6.936e-7 until t = 10.", {}),
+        *((f"{CUP}{said}", {}) for said in COLD),
+        *((f"{CUP}{COLD[n].replace(word, other)}", {other: word}) for n, word, other in WARM),
     ],
 )
 def test_a_direction_is_that_of_the_number_beside_it(text, slips):
