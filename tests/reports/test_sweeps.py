@@ -4,6 +4,7 @@ import json
 import logging
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -61,18 +62,17 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     monkeypatch.setattr(sweeping, "SHORTEST", -1)  # a point a task
     with Client(scheduler_file=str(file), set_as_default=False) as client:
         client.wait_for_workers(2, timeout=60)
-        names = {worker["name"]: place for place, worker in client.scheduler_info()["workers"].items()}
-        running = dict(zip(("first", "second"), workers, strict=True))
-        path, found, killed = tmp_path / "answers.jsonl", [], ""
+        first = next(at for at, worker in client.scheduler_info()["workers"].items() if worker["name"] == "first")
+        workers[0].send_signal(signal.SIGSTOP)  # what it is given from here on it never ends
+        path, found, held = tmp_path / "answers.jsonl", [], 0
         with cluster_executor(client.scheduler.address) as executor:
             for batch in sweep_batches(SCENE, GRID, executor, path):
                 found += batch
-                if not killed and len(found) >= 3:
-                    at_work = client.processing()
-                    killed = next((name for name in running if at_work[names[name]]), "")
-                    if killed:
-                        running[killed].kill()
-        assert names[killed] not in client.scheduler_info()["workers"]
+                if not held and len(found) >= 3:
+                    held = len(client.processing()[first])
+                    workers[0].kill()
+        assert held
+        assert first not in client.scheduler_info()["workers"]
     assert sorted(i for i, _ in found) == list(range(30))
     points = points_of(SCENE, GRID)
     alone, _ = run_points(SCENE, points[:1] + points[-1:])
