@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from math import log2
 from typing import Any
 
 import numpy as np
@@ -20,15 +21,16 @@ from driftproof.blackbox.findings import (
     Misbehaviour,
     Outcome,
     Remarked,
+    StaleSlope,
     StepFinding,
     arithmetic_of,
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
-from driftproof.blackbox.judging.given_comparisons import back, elsewhere, few, near, of_two
+from driftproof.blackbox.judging.given_comparisons import Limited, back, elsewhere, few, near, of_two
 from driftproof.blackbox.judging.given_slopes import GivenSlopes
 from driftproof.blackbox.judging.given_steps import BEFORE, GivenSteps
 from driftproof.blackbox.judging.held_states import SHORT, held_in
-from driftproof.blackbox.judging.own_steps import OwnSteps
+from driftproof.blackbox.judging.own_steps import SEEN_BENT, OwnSteps
 from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
@@ -73,10 +75,6 @@ class Unpaired(OwnSystem):
     """It has numbers that are neither positions nor velocities."""
 
 
-class Limited(OwnSystem):
-    """Some states jump, or end at a limit, in every step, however short: these are not what it is for."""
-
-
 class NoClock(OwnSystem):
     """The system given depends on a time that the step does not take."""
 
@@ -98,6 +96,8 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
     """Yield the step as it takes all numbers of its system, with states; then of other numbers that it may take."""
     first, given = seen_at(subject, domain), subject.convention.order
     yield first
+    if domain.begins:  # a force of flat arrays may be another one than that of bodies in rows
+        yield from ((replace(subject, function=form), first[1]) for form in subject.function.in_rows())  # type: ignore[attr-defined]
     if domain.begins or hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
         return
     for size in (1, 2, 3, 4, 6) if STATE in given else (2, 4, 6):
@@ -107,6 +107,20 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
         with suppress(Misbehaviour):
             if size != len(first[1][0]) and OwnSteps(*found).end(0.0, found[1][0], SHORT):
                 yield found
+
+
+def _unit(slopes: Mapping[tuple[float, ...], Array], given: GivenSlopes) -> float:
+    """The system's own time or, if it is shorter, the longest in which these slopes move a state by its own size.
+
+    A constant force has no time of its own.
+    """
+    own, moved = own_time([(np.array(y), told) for y, told in slopes.items()], given.at), list[float]()
+    for y, told in slopes.items():
+        if (size := np.abs(y).max()) and (speed := np.abs(told).max()):
+            with suppress(ArithmeticError):
+                changed = np.abs(given.at(y + size / speed * told) - told).max()
+                moved += [size / speed] * bool(changed > SEEN_BENT * speed)
+    return min(own, 2.0 ** round(log2(max(moved)))) if moved else own
 
 
 def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: GivenSlopes, unit: float) -> str:
@@ -156,7 +170,7 @@ def _held(
             except BadInput as error:
                 refused.append(error)
                 continue
-            unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
+            unit = _unit(slopes, each)
             begins, steps = wanted.domain.begins, GivenSteps(reading, [*slopes], unit, each.rates)
             held, within = held_in(steps, begins.cuts if begins else ())
             if not within[1:]:
@@ -164,12 +178,13 @@ def _held(
                 continue
             if within != [*slopes]:
                 slopes = each.slopes(within)
-                unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
+                unit = _unit(slopes, each)
             if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
                 far.append(unlike)
-                if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
+                fixed = STATE in subject.convention.order and not hasattr(subject.function, "of_size")
+                if fixed and not wanted.domain.begins:
                     break  # of an array that it takes; the size of vectors is a guess
-            elif far:
+            elif far and not wanted.domain.begins:
                 what = f"of {len(states[0])} numbers its system is the one given, but not of more"
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
@@ -292,7 +307,7 @@ def report_on_system(
     mistakes = (runner.outcome_of(search).result or ()) if refuted else ()
     passed, verdict = _verdict(key, checks, mistakes)
     remarks = [f"remark: {each}" for each in told if passed and each.partition("; ")[0] not in verdict]
-    if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
+    if holds is False and not first.result and first.kind not in (NotOnOwnSystem.kind, StaleSlope.kind):
         verdict = f"{NO_ANSWER}: {words}"
     verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
     parts, data = criteria_parts(checks, passed)

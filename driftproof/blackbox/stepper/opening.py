@@ -194,7 +194,7 @@ class _Opening:
         """The stepper as a plain form, unless a slope was stale; raises why its most natural reading failed."""
         if not self._stale and (found := self._as_plain()):
             return found
-        if self._stale and self.calls in (None, calling.MAP) and (form := with_own_slope(self.step)):
+        if self.calls in (None, calling.MAP) and (form := with_own_slope(self.step)):
             return opened(form, None, self.array, self.before, self.after)
         why = [*self._stale, *self.failures][0]
         asked = why.__cause__

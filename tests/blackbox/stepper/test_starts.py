@@ -95,11 +95,20 @@ def test_states_lie_within_the_ranges():
         assert all(low <= x <= high for x, (low, high) in exactly(4, zip(y, start.ranges, strict=True)))
 
 
+def test_a_0_without_other_numbers_in_its_part_is_held_there():
+    def moved(x, y, heading, speed, dt):
+        return x + dt * speed * cos(heading), y + dt * speed * sin(heading), heading + dt * speed / 3, speed
+
+    slopes = lambda y: (y[3] * cos(y[2]), y[3] * sin(y[2]), y[3] / 3, 0.0)
+    found = judged(moved, "forward_euler", slopes, "0; 0; 0.2; 5")
+    assert (found.passed, "from states in 0, 0, 0.175:0.225, 4.375:5.625" in found.verdict) == (True, True)
+
+
 REFUSED = {
     "x": "'x' is no number, nor a range such as 280:400",
     "1:2:3": "'1:2:3' is no number",
     "inf": "'inf' is no number",
-    "0": "'0' is no range of a number; write such as -1:1",
+    "0": "'0' is one state, which shows little; write such as -1:1",
     "2:1": "'2:1' is no range",
     "1; 2": "and keeps its own system; <lambda>(y, dt): the start has 2",
 }
