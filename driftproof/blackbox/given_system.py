@@ -49,7 +49,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import AS_PARTS
 from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
-from driftproof.methods.catalogue import of_one_state
+from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
 
@@ -86,7 +86,8 @@ _MISSING = {
     Limited.kind: "the states that it is for: --start, in Python Domain(start=...); or the step before its end is set",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
     PushedUnusually.kind: "a step that takes its force, step(force, q, v, h), or a step and a system without the drag",
-    Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these",
+    Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these; or, if all "
+    f"numbers are such, a step that takes each part by its name: {AS_PARTS}",
     CRASHES: "a step that leaves its process alone",
     **NO_EVIDENCE,
 }
@@ -222,6 +223,10 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     if not found.holds and isinstance(method, Splitting) and steps.pushed:
         if otherwise := steps.moved_otherwise(method):
             raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")
+        euler = replace(wanted, method=METHODS["forward_euler"])
+        with suppress(MethodError):
+            if (other := near(steps, euler)).holds:
+                raise NotOnOwnSystem(f"it {other.words}: {found.words}")
         order = ", where all positions come before all velocities" * (steps.size > 2 and steps.halves[0].step is None)
         raise PushedUnusually(f"its force depends on the velocity{order}, and with that {BEFORE} {found.words}")
     if found.holds and steps.untimed:

@@ -10,7 +10,7 @@ from functools import cache, cached_property
 from itertools import product
 from math import sqrt
 from random import Random
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb
@@ -126,17 +126,23 @@ class GivenSteps(OwnSteps):
         return turns if there and not here else apart
 
     @cached_property
+    def sides(self) -> tuple[Any, Any]:
+        """The places of positions and of velocities: those of parts of a start, by names, or else the halves."""
+        speeds = getattr(self.subject.function, "speeds", [])
+        return ([i for i in range(self.size) if i not in speeds], speeds) if speeds else self.halves
+
+    @cached_property
     def pushed(self) -> bool:
         """True if forces depend on velocities, or velocities on positions: a splitting does not say which."""
-        q, v = self.halves
-        faster = [1.0 + _FASTER * (i in range(self.size)[v]) for i in range(self.size)]
+        q, v = self.sides
+        faster = [1.0 + _FASTER * (i in np.arange(self.size)[v]) for i in range(self.size)]
         with suppress(ArithmeticError):
             for y in self.states:
                 here, pushed, moved = (
-                    self.rates(0.0, [x * by for x, by in zip(y, way, strict=True)])
+                    np.array(self.rates(0.0, [x * by for x, by in zip(y, way, strict=True)]))
                     for way in ([1.0] * self.size, faster, [2.0 + _FASTER - by for by in faster])
                 )
-                if here[v] != pushed[v] or here[q] != moved[q]:
+                if (here[v] != pushed[v]).any() or (here[q] != moved[q]).any():
                     return True
         return False
 
@@ -163,13 +169,13 @@ class GivenSteps(OwnSteps):
                 return self.solved(method, t, y, h, _SOLVED)
         if not isinstance(method, Splitting):
             return super().step(method, t, y, h)
-        if self.size % 2:
+        if self.size % 2 and self.sides is self.halves:
             raise MethodError(f"{self.size} numbers are not as many positions as velocities")
-        moved, v, way = t, self.halves[1], self.way(method)
+        moved, v, way = t, self.sides[1], self.way(method)
         end: Array = np.array(y, dtype=float)
         last = max((i for i, (kind, _) in enumerate(method.parts) if kind == "kick"), default=0)
         for i, (kind, share) in enumerate(method.parts):
-            part, at = self.halves[kind == "kick"], end.copy()
+            part, at = self.sides[kind == "kick"], end.copy()
             if kind == "kick" and way == _PREDICTED:
                 at[v] = np.array(y)[v] + (moved - t) * np.array(self.rates(t, y))[v]
             new = end[part] + float(share) * h * np.array(self.rates(moved, at.tolist()))[part]
@@ -220,7 +226,7 @@ class GivenSteps(OwnSteps):
         What F has less at rest may enter with another weight than c, the same for all positions, as where it is a part
         of its own. "" if positions end so, or if that is not seen.
         """
-        (q, v), kicked, c = self.halves, 0.0, 0.0
+        (q, v), kicked, c = self.sides, 0.0, 0.0
         for kind, part in method.parts:
             kicked += float(part) * (kind == "kick")
             c += float(part) * kicked * (kind != "kick")
@@ -230,7 +236,7 @@ class GivenSteps(OwnSteps):
                 at, rest = np.array(y), np.array(y)
                 rest[v] = 0
                 slopes, force = np.array(self.rates(0.0, y)), np.array(self.rates(0.0, rest.tolist()))[v]
-                if not np.array_equal(slopes[q], at[v]):
+                if not np.array_equal(slopes[q], at[v]):  # as of a quaternion
                     return ""
                 thrice = (h, h / 2, h / 4)
                 first, second, third = ((np.array(self.end(0.0, y, x))[q] - at[q] - x * at[v]) / x**2 for x in thrice)

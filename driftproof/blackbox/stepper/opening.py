@@ -25,7 +25,7 @@ from driftproof.blackbox.stepper.array_adapters import (
     as_array,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers
+from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers, state_names_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.handed_slopes import with_own_slope, with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import scope_of
@@ -51,6 +51,8 @@ from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
 _WITHIN = 8
+# A quaternion and its angular velocity, as parts of a state.
+_TURNED = (calling.QUATERNION, calling.ANGULAR)
 # The arguments of a wrapper that is a function, and names in it.
 _HEAD, _WORD = re.compile(r"def wrapped\((.*?)\): "), re.compile(r"[A-Za-z_]\w*")
 
@@ -159,6 +161,11 @@ class _Opening:
             return found
         for stale in self._stale:
             raise stale from None
+        names, parts = state_names_of(self.given)[0], (calling.POSITION, calling.VELOCITY, *_TURNED)
+        if names[2:] and self.calls is None and all(calling.role_of(name, parts) for name in names):
+            raise findings.BadInput(
+                f"{calling.signature_text(self.given)}: if {', '.join(names)} are its state, say so: {AS_PARTS}"
+            )
         line = _tried_out(wrappers.wrapper_line(self.given, self.keeps), self.given)
         if self.calls is not None:
             raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None

@@ -14,11 +14,13 @@ import numpy as np
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NothingReturned, WrongShape
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, Foreign, as_array
 from driftproof.blackbox.stepper.calling_conventions import (
+    ANGULAR,
     FUNCTION,
     MAP,
     STATE,
     STEP,
     TIME,
+    VELOCITY,
     CallingConvention,
     reading_of,
     role_of,
@@ -141,6 +143,14 @@ class Start:
         single = f"; if {', '.join(names)} are one number each, part them by semicolons" * (self.parts == (len(names),))
         raise BadInput(f"{signature_text(step)} has no answer at the start: {why}{single}")
 
+    def _speeds(self, names: Sequence[str]) -> tuple[list[int], list[str]]:
+        """The places and names of parts that are velocities, by their names, or else each second; none of one part."""
+        fast = [bool(role_of(each, (VELOCITY, ANGULAR))) for each in names]
+        if len({*fast}) == 1:
+            fast = [i % 2 == 1 and len(names) % 2 == 0 for i in range(len(names))]
+        found = [(name, cut) for name, cut, of in zip(names, self.cuts, fast, strict=True) if of]
+        return [i for _, cut in found for i in range(*cut)], [name for name, _ in found]
+
     def _form(self, step: Callable[..., Any], others: Mapping[str, float], row: int) -> Any:
         """The step(y, h) or step(y, t, h) of one array; what it takes besides is 1, unless among the `others`.
 
@@ -171,6 +181,7 @@ class Start:
         form.step, form.others, form.timed = step, beside, bool(times)
         later = zip(known[1:], self.parts[1:], self.cuts[1:], strict=True)
         form.later = {name: slice(*cut) if n else cut[0] for name, n, cut in later}
+        form.speeds, form.speed_names = self._speeds(known)
         form.of_others = lambda others: self._form(step, others, row)
         form.in_rows = lambda: [self._form(step, others, other) for other in self.rows if other > row]
         form.reading = reading_of({"the state": known, "the time": times, "the step size": [size]}, step)

@@ -42,6 +42,14 @@ def tumbling(y):
     return np.array([*(each / 2 for each in turned), 0.6 * q * r, -0.5 * p * r, 0.1 * p * q])
 
 
+SPIN = np.array([1.0, 2.0, 3.0])
+
+
+def half_product(q, w):
+    """The slope of a quaternion that turns by w."""
+    return np.array([-q[1:] @ w, *(q[0] * w + np.cross(w, q[1:]))]) / 2
+
+
 def turned(q, w, dt, part=0.5):
     end = midpoint(tumbling, np.array([*q, *w]), dt, part)
     q[:], w[:] = end[:4], end[4:]
@@ -93,6 +101,29 @@ def test_states_lie_within_the_ranges():
     start = Start.of("0:1; 2, -4, 0")
     for y in exactly(9, [*start.states, *start.corners]):
         assert all(low <= x <= high for x, (low, high) in exactly(4, zip(y, start.ranges, strict=True)))
+
+
+def falling(pos, vel, quat, omega, dt, first=True):
+    """Semi-implicit Euler of a body that falls and tumbles: velocities first, or each part with the old ones."""
+    new = vel + dt * np.array([0.0, 0.0, -9.81])
+    spun = omega + dt * -np.cross(omega, omega * SPIN) / SPIN
+    pos = pos + dt * (new if first else vel)
+    quat = quat + dt * half_product(quat, spun if first else omega)
+    return pos, new, quat / np.linalg.norm(quat), spun
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_splitting_moves_the_parts_that_are_called_velocities_before_others(first):
+    def system(y):
+        _, v, q, w = np.split(y, [3, 6, 10])
+        return np.concatenate([v, [0.0, 0.0, -9.81], half_product(q, w), -np.cross(w, w * SPIN) / SPIN])
+
+    step = lambda pos, vel, quat, omega, dt: falling(pos, vel, quat, omega, dt, first)
+    found = judged(step, "symplectic_euler", system, "0,0,1; 1,2,0.5; 1,0.1,0.2,0.3; 0.5,0.3,0.2")
+    said = "its velocities being vel and omega" if first else "is not symplectic_euler: it is forward_euler on the"
+    assert (found.passed, said in found.verdict) == (first, True), found.verdict
+    with pytest.raises(ValueError, match=r"if pos, vel, quat, omega are its state, say so: verify --system MODULE:f"):
+        verify(step, "symplectic_euler", system=system, isolate=False)
 
 
 def test_a_0_without_other_numbers_in_its_part_is_held_there():
