@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.checks.determinism import first_call_again
+from driftproof.blackbox.checks.determinism import first_call_again, stale_in
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.criteria import BACK, ELSEWHERE, FIRST_CALL, ONLY, STATE_FORMS
 from driftproof.blackbox.findings import (
@@ -198,7 +198,7 @@ def _held(
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
         if far:
-            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
+            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}{stale_in(subject)}")
         if limited:
             raise Limited("states jump, or end at a limit, however short the step")
     raise refused[0]
