@@ -90,7 +90,7 @@ def first_call_again(subject: ForeignStepper, explicit: bool = False) -> StepFin
 def stale_in(subject: ForeignStepper) -> str:
     """What an object keeps from its last step that a step of 0 would bring up to date, in words; "" if nothing."""
     names = ", ".join(getattr(subject.function, "late", ()))
-    of = f"; what it keeps, {names}, is not that of where it goes on: a stale force, as one that is asked before positions"
+    of = f"; what it keeps, {names}, is not that of where it goes on: a stale force, as one asked before positions"
     return f"{of} move, or a method of several steps" if names else ""
 
 

@@ -238,7 +238,7 @@ class ObjectStep:
             self.function = function
 
     def _seen_upkeep(self) -> tuple[bool, list[str]]:
-        start, other = self._filled(1.0, 0.5), self._filled(-0.5, 0.75)
+        start, other = self._filled(0.8125, 0.5), self._filled(-0.5625, 0.75)  # where no new object is
 
         def course(*begins: list[list[float]] | None, zero: bool) -> list[list[float]]:
             """The end of a new object that makes a step from each of these, or from its own place."""
