@@ -70,7 +70,9 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
         longest = wanted.domain.largest_step
         words = f"; write --largest-step {own.unit:g}, in Python domain=Domain({own.unit:g})"
         longer = words * (longest < own.unit and bent * own.unit >= SEEN_BENT * longest)
-        raise MethodError(why or next(iter(_held(held)), "") or f"in a step of it slopes hardly change{longer}")
+        none = why or next(iter(_held(held)), "")
+        still = f"in a step of it slopes hardly change{longer}" + f"; of others {none}" * bool(none)
+        raise MethodError(still if found else none or still)
     splits = isinstance(of_one_state(wanted.method), Splitting)
     pushed = ""
     if isinstance(method := of_one_state(wanted.method), Splitting) and own.pushed:
@@ -157,7 +159,7 @@ def elsewhere(own: GivenSteps, wanted: Specification) -> StepFinding:
         )
         raise Limited(f"{jumps}, {asked}{seen}")
     if steps:
-        reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
+        reach = f"from states of {min(states):.3g} to {max(states):.3g}, of h up to {max(steps):.3g}"
         told += [f"{counted(len(steps), 'step')} elsewhere agree, {reach}"]
     words = "; ".join(told) or f"{wanted.method.key} has no steps with half of their digits elsewhere"
     return (Remarked if refused or kept else StepFinding)(steps != [] or None, words)

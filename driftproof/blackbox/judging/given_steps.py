@@ -196,12 +196,12 @@ class GivenSteps(OwnSteps):
         Raises ArithmeticError without a root, and where there are too many numbers to solve for.
         """
         if method.explicit or method.stages * self.size > MOST_UNKNOWNS:
-            raise ArithmeticError(f"the stages of {method.key} are not solved for there")
+            raise ArithmeticError(f"the stages of {method.key} could not be solved there")
         taken = StepSeen(self.rates, t, y, h, [])
         solver = Unsettled(method, _ROUNDS_OF_NEWTON, predicted=False, anew=True, called=False, timed=True)
         ends = [each.end(taken) for each in (solver, replace(solver, rounds=_ROUNDS_OF_NEWTON + 1))]
         if not self.apart(y, *ends) <= enough:
-            raise ArithmeticError(f"the stages of {method.key} do not settle")
+            raise ArithmeticError(f"the stages of {method.key} could not be solved there")
         return ends[1]
 
     def way(self, method: Splitting) -> str:
@@ -294,11 +294,15 @@ class GivenSteps(OwnSteps):
         size = max(map(abs, (*y, *told)))
         if not allowed.max() <= self.half * size:
             raise ArithmeticError("rounding leaves less than half of its digits")
+        tolerated = ""
         if not method.explicit:
             solved = BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
             allowed = allowed + _SETTLED * size + solved * (1 + size)
         seen = [float(x) for x in self.end(t, y, h)]
         off = np.subtract(seen, told)
+        if not method.explicit and solved:
+            part, stated = np.abs(off).max() / (1 + size), float(wanted.allowance.solver_tolerance or 0)
+            tolerated = f", off by {part:.1e} of 1 + its largest number; the solver tolerance is {stated:.1e} of that"
         right = within = bool((np.abs(off) <= allowed).all())
         if not within:
             with suppress(Misbehaviour, ArithmeticError):
@@ -306,7 +310,7 @@ class GivenSteps(OwnSteps):
                 small = jumps.max() <= self.half * max(size, *map(abs, self.states[0]))
                 right = small and bool((np.abs(off) <= np.maximum(allowed, jumps)).all())
         at = f" at t = {t:g}" * bool(t)
-        wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}"
+        wrong = f"a step of {h:g}{at} from {ends_in_words(tuple(y), tuple(seen), method, told)}{tolerated}"
         apart = self.apart(np.maximum(np.abs(y), np.abs(told)).tolist(), seen, told)
         by_time = np.abs(np.subtract(self.later(h).step(method, t, y, h), told)) / np.maximum(allowed, _LEAST)
         limit, period = "", 0.0

@@ -172,7 +172,8 @@ REFUTED = {
     "arguments": (spoiling, "rk4", pendulum, "but not for every form of state: it changes its arguments to"),
     "decimals": (lambda y, h: np.round(on(pendulum)(y, h), 6), "rk4", pendulum, "is not rk4: a step of"),
     "not solved": (
-        lambda y, h: iterated(y, h, 1e-6), "backward_euler", pendulum, "is not", Allowance(solver_tolerance=1e-10)),
+        lambda y, h: iterated(y, h, 1e-6), "backward_euler", pendulum,
+        " of 1 + its largest number; the solver tolerance is 1.0e-10 of that", Allowance(solver_tolerance=1e-10)),
 }  # fmt: skip
 
 
