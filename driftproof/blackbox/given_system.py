@@ -48,7 +48,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import AS_PARTS
-from driftproof.blackbox.stepper.state_forms import BATCH, SYSTEMS
+from driftproof.blackbox.stepper.state_forms import BATCH, BODIES, IN_PLANE, SYSTEMS
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
@@ -97,6 +97,8 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
     """Yield the step as it takes all numbers of its system, with states; then of other numbers that it may take."""
     first, given = seen_at(subject, domain), subject.convention.order
     yield first
+    if first[0].adapter is BODIES:  # of a code that knows not how many coordinates a body has
+        yield seen_at(replace(first[0], adapter=IN_PLANE), domain, 2 * len(first[1][0]) // 3)
     if domain.begins:  # a force of flat arrays may be another one than that of bodies in rows
         yield from ((replace(subject, function=form), first[1]) for form in subject.function.in_rows())  # type: ignore[attr-defined]
     if domain.begins or hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
@@ -197,8 +199,9 @@ def _held(
             )
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
-        if far:
-            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}{stale_in(subject)}")
+        if far:  # of an object that is made anew its first call does not tell
+            stale = stale_in(subject) if getattr(subject.function, "anew", False) else ""
+            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}{stale}")
         if limited:
             raise Limited("states jump, or end at a limit, however short the step")
     raise refused[0]
@@ -225,8 +228,8 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
             raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")
         euler = replace(wanted, method=METHODS["forward_euler"])
         with suppress(MethodError):
-            if (other := near(steps, euler)).holds:
-                raise NotOnOwnSystem(f"it {other.words}: {found.words}")
+            if near(steps, euler).holds:
+                raise NotOnOwnSystem(f"its positions move by old velocities: {found.words}")
         order = ", where all positions come before all velocities" * (steps.size > 2 and steps.halves[0].step is None)
         raise PushedUnusually(f"its force depends on the velocity{order}, and with that {BEFORE} {found.words}")
     if found.holds and steps.untimed:
@@ -253,6 +256,18 @@ def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[.
     """The mistakes in the method that give its steps on the system given, also where short steps go otherwise."""
     steps, _ = _held(subject, wanted, system, anyway=True)
     return mistakes_on(steps, wanted) or mistakes_on(replace(steps, newton=True), wanted)
+
+
+def _named(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> str:
+    """Another method of the same kind and order, or one that moves all by the slopes at its start, that it is."""
+    (steps, _), kind = _held(subject, wanted, system), type(wanted.method)
+    for key, other in METHODS.items():
+        alike = isinstance(other, kind) and other.explicit and other.claimed_order == wanted.method.claimed_order
+        if key != wanted.method.key and (alike or key == "forward_euler"):
+            with suppress(MethodError):
+                if near(steps, replace(wanted, method=other)).holds:
+                    return key
+    return ""
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
@@ -311,6 +326,8 @@ def report_on_system(
     search = partial(_mistakes, wanted=wanted, system=system)
     mistakes = (runner.outcome_of(search).result or ()) if refuted else ()
     passed, verdict = _verdict(key, checks, mistakes)
+    if refuted and not mistakes and (other := runner.outcome_of(partial(_named, wanted=wanted, system=system)).result):
+        verdict = f"{verdict}; on it its steps are those of {other}"
     remarks = [f"remark: {each}" for each in told if passed and each.partition("; ")[0] not in verdict]
     if holds is False and not first.result and first.kind not in (NotOnOwnSystem.kind, StaleSlope.kind):
         verdict = f"{NO_ANSWER}: {words}"

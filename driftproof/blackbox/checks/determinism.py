@@ -76,12 +76,7 @@ def first_call_again(subject: ForeignStepper, explicit: bool = False) -> StepFin
         if not np.all(off <= (few if explicit else ALIKE * np.abs(end))):
             first, last = (", ".join(f"{x:.16g}" for x in numbers) for numbers in (end, again))
             seen = f"its first step ended at ({first}), and the same step, made again after others, at ({last})"
-            if names := getattr(subject.function, "late", ()):
-                of = (
-                    f"; what it keeps, {', '.join(names)}, is of where the step before began, and not of where it ended"
-                )
-                seen += f"{of}: a stale force, as one that is asked before positions move, or a method of several steps"
-            return StepFinding(False, seen)
+            return StepFinding(False, seen + stale_in(subject))
         most = max(most, float(off.max()))
     told = f"to {most / size:.1e} of its size" if most else "to the last bit"
     return StepFinding(True, f"its first step, made {MANY} times again after all others, ends where it did, {told}")

@@ -295,8 +295,11 @@ def _of_numbers(
     order = [each for each in needed if each != clock]
     if len(order) <= 2 or any(map(is_before, order)):
         return
+    # A dict that a step changes has no order but that in which it is read, of velocities before positions, too.
+    order.sort(key=lambda name: calling.role_of(name, (calling.VELOCITY,)) is not None)
     with suppress(Exception):
-        returned = [each for each in named_parts(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
+        made = make(**dict.fromkeys((*order, *([clock] if clock else ())), 0.5))
+        returned = [each for each in named_parts(step(made)) if each != clock]
         order = returned if {*returned} == {*order} else order
 
     def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:

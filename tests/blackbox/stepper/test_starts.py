@@ -120,7 +120,7 @@ def test_a_splitting_moves_the_parts_that_are_called_velocities_before_others(fi
 
     step = lambda pos, vel, quat, omega, dt: falling(pos, vel, quat, omega, dt, first)
     found = judged(step, "symplectic_euler", system, "0,0,1; 1,2,0.5; 1,0.1,0.2,0.3; 0.5,0.3,0.2")
-    said = "its velocities being vel and omega" if first else "is not symplectic_euler: it is forward_euler on the"
+    said = "its velocities being vel and omega" if first else "; on it its steps are those of forward_euler"
     assert (found.passed, said in found.verdict) == (first, True), found.verdict
     with pytest.raises(ValueError, match=r"if pos, vel, quat, omega are its state, say so: verify --system MODULE:f"):
         verify(step, "symplectic_euler", system=system, isolate=False)
