@@ -16,6 +16,7 @@ from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
 from driftproof.blackbox.stepper.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.handed_slopes import with_own_slope
 from driftproof.blackbox.stepper.named_answers import CLOCK_ERROR, named_parts, parts_of, role_in_state
 from driftproof.blackbox.stepper.wrapper_parts import is_before
 
@@ -242,7 +243,9 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         record = record_of(step, alone)
         further = further_fields(record, alone) if record is not None else []
         if record is not None and not further:
-            if not record.slopes:  # a slope that is handed on has no function to be asked for
+            if handing := handed_on(partial(called, None), record):  # a step of 0 makes the slope that is handed on
+                yield with_own_slope(handing) or handing
+            elif not record.slopes:
                 yield _with_parameters(called, record)
         elif found := fields_of(step, alone):
             name, make, fields, needed = found
@@ -349,6 +352,12 @@ def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, t
             by /= abs(by) if calling.is_acceleration(name) or calling.has_gradient([name]) else 1.0
             return _handing_on(end, record, name, by)
     return moved if timed else lambda force, q, v, h: moved(force, q, v, 0.0, h)
+
+
+def handed_on(step: Callable[..., Any], record: Record) -> Callable[..., Any] | None:
+    """The step(q, v, a, h) of a step of a record that reads and hands on the slope of its own system, if it does."""
+    form = _form(lambda _, state, t, h: step(state, t, h), record, False, "", False)
+    return (lambda q, v, a, h: form(None, q, v, a, h)) if "acc" in inspect.signature(form).parameters else None
 
 
 def _handing_on(end: Callable[..., Foreign], record: Record, name: str, by: float) -> Callable[..., Any]:

@@ -302,3 +302,24 @@ def test_a_record_has_its_declared_order_and_a_dict_that_is_changed_positions_fi
     system = pairs if declared else lambda y: [y[2], y[3], -0.4 * y[2], -9.81]
     found = verify(shot if declared else thrown, "symplectic_euler", system=system, isolate=False)
     assert found.passed, found.verdict
+
+
+@dataclass
+class Swing:
+    x: float
+    v: float
+    acc: float = 0.0
+
+
+@pytest.mark.parametrize(("late", "said"), [
+    (False, "is velocity_verlet on the system given"), (True, "is that of where its step began")
+])  # fmt: skip
+def test_an_acceleration_with_a_default_is_that_of_the_own_system_of_a_record(late, said):
+    def moved(s: Swing, dt: float) -> Swing:
+        v = s.v + dt / 2 * s.acc
+        x = s.x + dt * v
+        acc = -np.sin(s.x if late else x)
+        return Swing(x, v + dt / 2 * acc, acc)
+
+    found = verify(moved, "velocity_verlet", system=lambda y: [y[1], -np.sin(y[0])], isolate=False)
+    assert (found.passed, said in found.verdict) == (not late, True), found.verdict
