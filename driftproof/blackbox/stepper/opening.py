@@ -162,7 +162,8 @@ class _Opening:
         for stale in self._stale:
             raise stale from None
         names, parts = state_names_of(self.given)[0], (calling.POSITION, calling.VELOCITY, *_TURNED)
-        if names[2:] and self.calls is None and all(calling.role_of(name, parts) for name in names):
+        roles = {calling.role_of(name, parts) for name in names}
+        if names[2:] and self.calls is None and None not in roles and roles & {*parts[1:]}:
             raise findings.BadInput(
                 f"{calling.signature_text(self.given)}: if {', '.join(names)} are its state, say so: {AS_PARTS}"
             )
