@@ -82,7 +82,7 @@ def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
 @pytest.mark.parametrize(("force", "law"), [
     (lambda q, v: -q - 0.5 * abs(v), "another one"), (lambda q, v: -max(q, 0.0), "another one"),
     (lambda q, v: -2 * q - 0.5 * v, "q' = v, v' = -2 q - 0.5 v"),
-])  # fmt: skip
+], ids=["a drag", "a contact", "a spring"])  # fmt: skip
 def test_a_law_that_has_a_kink_at_0_is_not_told_as_a_linear_one(force, law):
     step = lambda q, v, h: (q + h * v, v + h * force(q, v))
     steps = OwnSteps.of(opened(step), [(1.0, 0.75), (0.375, 0.5), (-1.0, 0.1875)])
