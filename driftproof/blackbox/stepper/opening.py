@@ -51,8 +51,7 @@ from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
 _WITHIN = 8
-# A quaternion and its angular velocity, as parts of a state.
-_TURNED = (calling.QUATERNION, calling.ANGULAR)
+_PARTS = (calling.POSITION, calling.VELOCITY, calling.QUATERNION, calling.ANGULAR)  # of a state of bodies
 # The arguments of a wrapper that is a function, and names in it.
 _HEAD, _WORD = re.compile(r"def wrapped\((.*?)\): "), re.compile(r"[A-Za-z_]\w*")
 
@@ -161,12 +160,10 @@ class _Opening:
             return found
         for stale in self._stale:
             raise stale from None
-        names, parts = state_names_of(self.given)[0], (calling.POSITION, calling.VELOCITY, *_TURNED)
-        roles = {calling.role_of(name, parts) for name in names}
-        if names[2:] and self.calls is None and None not in roles and roles & {*parts[1:]}:
-            raise findings.BadInput(
-                f"{calling.signature_text(self.given)}: if {', '.join(names)} are its state, say so: {AS_PARTS}"
-            )
+        roles = {calling.role_of(name, _PARTS) for name in state_names_of(self.given)[0]}
+        if len(roles) > 2 and self.calls is None and None not in roles:
+            its_state = f"if {', '.join(state_names_of(self.given)[0])} are its state, say so: {AS_PARTS}"
+            raise findings.BadInput(f"{calling.signature_text(self.given)}: {its_state}")
         line = _tried_out(wrappers.wrapper_line(self.given, self.keeps), self.given)
         if self.calls is not None:
             raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
