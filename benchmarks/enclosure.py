@@ -20,8 +20,8 @@ import numpy as np
 from benchmarks.harness import Contestant, Goal, Section, Subject, measure, milliseconds
 from driftproof.enclosure.certificate import Certificate
 from driftproof.enclosure.certify import certify
-from driftproof.enclosure.solutions import enclose_solution
-from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.fields.text_fields import field_function
+from driftproof.enclosure.solution.solutions import enclose_solution
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 # The tolerances of the float solutions, and the digits of their errors that are wanted.

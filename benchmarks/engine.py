@@ -21,10 +21,10 @@ import numpy as np
 
 from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import FieldSource, field_source
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, compiled_runner, runner
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import FieldSource, field_source
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.steps.engine import BLOCK, compiled_ensemble_runner, compiled_runner, runner
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)

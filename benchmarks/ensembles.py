@@ -19,10 +19,10 @@ import numpy as np
 from benchmarks.engine import LORENZ, LORENZ_START
 from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS, VectorField
+from driftproof.methods.formulas.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import compiled_ensemble_runner, functions_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.steps.engine import compiled_ensemble_runner, functions_of
 
 SYSTEMS, ERROR, REFERENCE_STEPS = 10_000, 1e-6, 4096
 KEPLER = PROBLEMS["kepler"]

@@ -26,14 +26,14 @@ import driftproof
 from benchmarks.enclosure import lorenz, pendulum
 from benchmarks.harness import Contestant, Goal, Section, forget, milliseconds, one_turn
 from benchmarks.long_runs import exponent
-from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.sweep import run_grid
 from driftproof.symbolic.trees.order_conditions import order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.rooted_trees import tree_table
-from driftproof.texts.claims.report import check
+from driftproof.texts.check import check
 
 # Sizes that the slope is taken over; how much a slope may be above the one on paper, being measured; and for how long
 # a short task is repeated, in seconds.

@@ -20,10 +20,10 @@ import numpy as np
 
 from benchmarks.harness import Section, Subject, by_scipy, timed, with_largest_tolerance
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric import field_loops
-from driftproof.numeric.controlled import ControlledRun, controlled_runner
-from driftproof.numeric.elimination import FULL
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.numeric.steps import field_loops
+from driftproof.numeric.steps.controlled import ControlledRun, controlled_runner
+from driftproof.numeric.steps.elimination import FULL
 
 METHOD, END, ERROR = METHODS["radau_iia3"], 10.0, 1e-6
 PLACES = (50, 500)

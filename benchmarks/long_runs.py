@@ -19,8 +19,8 @@ from flint import arb
 
 from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_runner
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.numeric.steps.engine import compiled_runner
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.n_steps_bound import run_bound

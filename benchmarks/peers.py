@@ -12,7 +12,7 @@ from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Any
 
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.methods.schemes import RungeKutta
 
 # The import name of each, and the name under which it is distributed.

@@ -18,9 +18,9 @@ from typing import Any
 
 from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_runner
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.steps.engine import compiled_runner
 from driftproof.reports.work_precision.peers import PEERS, Peer, Solver
 from tests.witnesses.matrix_powers import endpoint
 

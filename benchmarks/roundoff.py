@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.tables import basic
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.algebra.certified import enclose, significant

@@ -16,11 +16,11 @@ from typing import Any
 from benchmarks.harness import Section, Subject, by_scipy, timed, with_largest_tolerance
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.advance import field_rate, float_start
-from driftproof.numeric.controlled import controlled_runner
-from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits
+from driftproof.numeric.steps.controlled import controlled_runner
+from driftproof.numeric.steps.engine import functions_of
 
 METHOD = METHODS["radau_iia3"]
 # The errors that are asked for; both problems are of size 1 at most, Robertson's first two components below 1e-7.

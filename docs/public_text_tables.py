@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from docs.pages import TABLE, rows_of
 from driftproof.texts.claims.phrases import NumberForm, Phrase, form_of
-from driftproof.texts.claims.possible_values import questions_in
+from driftproof.texts.drafts.possible_values import questions_in
 from driftproof.texts.questions.decimals import HALF_AWAY, HALF_EVEN
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.canonical import canonical_text

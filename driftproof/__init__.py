@@ -11,11 +11,11 @@ __version__ = "0.2.0"
 _MODULES = {
     "identify": "blackbox.identify", "Allowance": "blackbox.judging.specification",
     "Domain": "blackbox.judging.specification", "identify_solver": "blackbox.solvers.identify_solver",
-    "field_stepper_of": "blackbox.stepper.objects", "stepper_of": "blackbox.stepper.objects",
+    "field_stepper_of": "blackbox.stepper.states.objects", "stepper_of": "blackbox.stepper.states.objects",
     "assert_verified": "blackbox.verify", "verify": "blackbox.verify", "assert_accurate": "enclosure.certify",
-    "certify": "enclosure.certify", "Refused": "enclosure.evaluations", "METHODS": "methods.catalogue",
+    "certify": "enclosure.certify", "Refused": "enclosure.arithmetic.evaluations", "METHODS": "methods.catalogue",
     "FAMILIES": "methods.families", "RungeKutta": "methods.schemes", "Splitting": "methods.schemes",
-    "stepper": "methods.stepping", "read_method": "methods.tableau_file", "PROBLEMS": "numeric.problems.catalogue",
+    "stepper": "methods.programs.stepping", "read_method": "methods.tableau_file", "PROBLEMS": "numeric.problems.catalogue",
     "PRESETS": "numeric.scenes", "Scene": "numeric.scenes", "read_scene": "numeric.scenes",
     "facts": "reports.fact_sheet", "run": "reports.oscillator", "step": "reports.oscillator",
     "report": "reports.pages", "roundoff": "reports.rounding", "scene": "reports.scenes",
@@ -24,7 +24,7 @@ _MODULES = {
     "significant": "symbolic.algebra.certified", "derive": "symbolic.derivation.derive", "Facts": "symbolic.facts",
     "order_within": "symbolic.facts", "stability_function_of": "symbolic.linear.oscillator",
     "boundary_points": "symbolic.linear.region", "OscillatorRun": "symbolic.runs",
-    "assert_text": "texts.claims.report", "check": "texts.claims.report", "PRINTED": "texts.questions.decimals",
+    "assert_text": "texts.check", "check": "texts.check", "PRINTED": "texts.questions.decimals",
     "Style": "texts.questions.decimals", "QuestionError": "texts.questions.errors",
     "value": "texts.questions.evaluate", "render": "texts.templates.rendering", "diff": "texts.values.changes",
     "published_values": "texts.values.published",
@@ -37,18 +37,18 @@ if TYPE_CHECKING:
     from driftproof.blackbox.judging.specification import Allowance as Allowance
     from driftproof.blackbox.judging.specification import Domain as Domain
     from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
-    from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
-    from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
+    from driftproof.blackbox.stepper.states.objects import field_stepper_of as field_stepper_of
+    from driftproof.blackbox.stepper.states.objects import stepper_of as stepper_of
     from driftproof.blackbox.verify import assert_verified as assert_verified
     from driftproof.blackbox.verify import verify as verify
+    from driftproof.enclosure.arithmetic.evaluations import Refused as Refused
     from driftproof.enclosure.certify import assert_accurate as assert_accurate
     from driftproof.enclosure.certify import certify as certify
-    from driftproof.enclosure.evaluations import Refused as Refused
     from driftproof.methods.catalogue import METHODS as METHODS
     from driftproof.methods.families import FAMILIES as FAMILIES
+    from driftproof.methods.programs.stepping import stepper as stepper
     from driftproof.methods.schemes import RungeKutta as RungeKutta
     from driftproof.methods.schemes import Splitting as Splitting
-    from driftproof.methods.stepping import stepper as stepper
     from driftproof.methods.tableau_file import read_method as read_method
     from driftproof.numeric.problems.catalogue import PROBLEMS as PROBLEMS
     from driftproof.numeric.scenes import PRESETS as PRESETS
@@ -72,8 +72,8 @@ if TYPE_CHECKING:
     from driftproof.symbolic.linear.oscillator import stability_function_of as stability_function_of
     from driftproof.symbolic.linear.region import boundary_points as boundary_points
     from driftproof.symbolic.runs import OscillatorRun as OscillatorRun
-    from driftproof.texts.claims.report import assert_text as assert_text
-    from driftproof.texts.claims.report import check as check
+    from driftproof.texts.check import assert_text as assert_text
+    from driftproof.texts.check import check as check
     from driftproof.texts.questions.decimals import PRINTED as PRINTED
     from driftproof.texts.questions.decimals import Style as Style
     from driftproof.texts.questions.errors import QuestionError as QuestionError

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.number_field import square_root
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.numbers.number_field import square_root
+from driftproof.methods.numbers.rationals import parse_rational
 from driftproof.symbolic.algebra.certified import CertifiableReal, fixed, scientific, significant
 from driftproof.texts.writing.answers import exact_and_decimal
 from proofs.claims import CERTIFIED, COUNTED, GIVEN, PROVED

@@ -24,7 +24,7 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any, NamedTuple
 
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.numbers.rationals import parse_rational
 
 BESIDE = Path(__file__).parents[2] / "shared" / "lesson"
 LESSON, INVENTORY = BESIDE / "lesson.txt", BESIDE / "claims.json"

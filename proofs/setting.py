@@ -9,7 +9,7 @@ from functools import total_ordering
 from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.readouts import energy
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.one_step import matrix_at

@@ -11,7 +11,7 @@ from flint import acb, arb
 from sympy import QQ, Rational
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.scenes import LARGEST_LESSON_H
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed, significant

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from driftproof.methods.rationals import step_count
+from driftproof.methods.numbers.rationals import step_count
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN
 from proofs.claims import CERTIFIED, COUNTED, PROVED, RESTRICTED, claim

@@ -9,7 +9,7 @@ from html import unescape
 from itertools import product
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.numbers.rationals import parse_rational
 from driftproof.numeric.run import Readouts, run_method
 from driftproof.numeric.scenes import PRESETS
 from driftproof.reports.page.document import document

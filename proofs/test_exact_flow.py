@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 from sympy import QQ, Rational, cos, ring, sin, sqrt, symbols
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.readouts import exact_state
 from driftproof.numeric.scenes import PRESETS
 from driftproof.symbolic.algebra.certified import certified_sign

@@ -11,8 +11,8 @@ import pytest
 import sympy
 from sympy import QQ, Rational, atan2, cos, field, pi, ring, sin
 
-from driftproof.methods.number_field import square_root
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.numbers.number_field import square_root
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN, CountedForce

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.algebra.certified import CertifiableReal
 from proofs.claims import CERTIFIED, claim
 from proofs.printed import ROWS, TECHNIQUES, Printed, published

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from driftproof.methods.catalogue import entry_named
-from driftproof.methods.rationals import step_count
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.numbers.rationals import step_count
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN

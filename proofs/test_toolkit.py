@@ -13,7 +13,7 @@ from flint import arb, ctx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import Uncertified, enclose, fixed, significant

@@ -8,7 +8,7 @@ from fractions import Fraction as Q
 from itertools import pairwise
 from typing import Any
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of

@@ -30,7 +30,7 @@ SEEN = {
     "facts('rk4', system='-1')": "driftproof.reports.fact_sheet.FactSheet",
     "run('rk4', '1/4', 10).state_error": "driftproof.symbolic.algebra.certified.EnclosedReal",
     "step": "h: fractions.Fraction | int | float | str",
-    "check('a.md', 'claims.toml')": "driftproof.texts.claims.report.TextReport",
+    "check('a.md', 'claims.toml')": "driftproof.texts.check.TextReport",
     "assert_verified": "examples: int =",
 }
 # Wrong uses, and the kind of error that each is.

@@ -14,9 +14,9 @@ from driftproof.blackbox.judging.agreement import Agreement, several_together
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.other_parameters import other_parameters
-from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NoSlopes, OwnSystem, rounding_of
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
+from driftproof.blackbox.judging.systems.own_system import AsOnOwnSystem, NoSlopes, OwnSystem, rounding_of
 from driftproof.blackbox.judging.walks import back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import other_velocities, rational_method, side_by_side

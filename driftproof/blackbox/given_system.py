@@ -26,20 +26,19 @@ from driftproof.blackbox.findings import (
     arithmetic_of,
 )
 from driftproof.blackbox.isolation import IsolatedRunner, Probe
-from driftproof.blackbox.judging.given_comparisons import Limited, back, elsewhere, few, near, of_two
-from driftproof.blackbox.judging.given_slopes import GivenSlopes
-from driftproof.blackbox.judging.given_steps import BEFORE, GivenSteps
-from driftproof.blackbox.judging.held_states import SHORT, held_in
-from driftproof.blackbox.judging.own_steps import SEEN_BENT, OwnSteps
-from driftproof.blackbox.judging.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
-from driftproof.blackbox.judging.stage_times import with_stage_times
 from driftproof.blackbox.judging.state_objects import state_objects
-from driftproof.blackbox.judging.whole_states import own_time, seen_at
+from driftproof.blackbox.judging.systems.given_comparisons import Limited, back, elsewhere, few, near, of_two
+from driftproof.blackbox.judging.systems.given_slopes import GivenSlopes
+from driftproof.blackbox.judging.systems.given_steps import BEFORE, GivenSteps
+from driftproof.blackbox.judging.systems.held_states import SHORT, held_in
+from driftproof.blackbox.judging.systems.own_steps import SEEN_BENT, OwnSteps
+from driftproof.blackbox.judging.systems.own_system import NotOnOwnSystem, OwnSystem
+from driftproof.blackbox.judging.systems.stage_times import with_stage_times
+from driftproof.blackbox.judging.systems.whole_states import own_time, seen_at
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, refusal, sections
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     MAP,
@@ -48,7 +47,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import AS_PARTS
-from driftproof.blackbox.stepper.state_forms import BATCH, BODIES, IN_PLANE, SYSTEMS
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS
+from driftproof.blackbox.stepper.states.state_forms import BATCH, BODIES, IN_PLANE, SYSTEMS
 from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted

@@ -28,8 +28,8 @@ from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
-from driftproof.blackbox.judging.own_system import linear_fit_of_all, own_methods
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
+from driftproof.blackbox.judging.systems.own_system import linear_fit_of_all, own_methods
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.naming import Seen

@@ -12,7 +12,7 @@ from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
 from driftproof.blackbox.findings import NO_EVIDENCE, ArgumentsExchanged, Outcome, StaleSlope, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
-from driftproof.blackbox.judging.own_system import OwnMethods
+from driftproof.blackbox.judging.systems.own_system import OwnMethods
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit

@@ -16,7 +16,7 @@ from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFindin
 from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
-from driftproof.blackbox.judging.own_system import AsOnOwnSystem, NotOnOwnSystem
+from driftproof.blackbox.judging.systems.own_system import AsOnOwnSystem, NotOnOwnSystem
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, refusal

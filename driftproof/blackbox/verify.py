@@ -23,13 +23,13 @@ from driftproof.blackbox.findings import BadInput, Remarked, UnsupportedCall, ar
 from driftproof.blackbox.given_system import report_on_system
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
-from driftproof.blackbox.judging.own_system import NoSlopes, OwnSystem
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
+from driftproof.blackbox.judging.systems.own_system import NoSlopes, OwnSystem
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.scripted_answers import REMEMBERS
 from driftproof.blackbox.report import UNDECIDED, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target, imported
-from driftproof.blackbox.stepper.wrappers import substeps_wrapper
+from driftproof.blackbox.stepper.wrappers.wrappers import substeps_wrapper
 from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FurtherMethod
 from driftproof.methods.given_methods import method_of, subject_of

@@ -11,7 +11,7 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
-from driftproof.methods.rationals import parse_rational, state_of, step_of, steps_of
+from driftproof.methods.numbers.rationals import parse_rational, state_of, step_of, steps_of
 from driftproof.support.plain_text import did_you_mean, printable
 
 _T = TypeVar("_T")

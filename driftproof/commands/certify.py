@@ -15,7 +15,7 @@ from driftproof.support.plain_text import as_json
 def _step(text: str) -> Fraction:
     """A step size: an exact number, or the double that a hexadecimal float spells."""
     from driftproof.enclosure.trajectories import float_of_text
-    from driftproof.methods.rationals import parse_rational
+    from driftproof.methods.numbers.rationals import parse_rational
 
     return Fraction(float_of_text(text)) if "0x" in text.lower() else parse_rational(text, "h")
 
@@ -71,8 +71,8 @@ def certify_command(options: Namespace) -> str:
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
-    from driftproof.enclosure.exact_runs import NotItsSteps, PerhapsItsSteps
-    from driftproof.methods.field_text import field_of_text
+    from driftproof.enclosure.runs.exact_runs import NotItsSteps, PerhapsItsSteps
+    from driftproof.methods.formulas.field_text import field_of_text
     from driftproof.reports.certificate_figure import draw_certificate
 
     given = options.function

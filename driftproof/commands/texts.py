@@ -136,8 +136,8 @@ def check_command(options: Namespace) -> str:
     """
     from driftproof.reports.progress import with_progress
     from driftproof.support.plain_text import as_json
-    from driftproof.texts.claims.drafting import lines_to_look_at
-    from driftproof.texts.claims.report import TextReport, UncheckedText, check, texts_with_claims
+    from driftproof.texts.check import TextReport, UncheckedText, check, texts_with_claims
+    from driftproof.texts.drafts.drafting import lines_to_look_at
 
     if not options.run:
         cli.refuse(options, ("time_limit",), "without --run")

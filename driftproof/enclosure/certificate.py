@@ -12,8 +12,8 @@ from typing import TypeAlias
 
 from flint import arb
 
-from driftproof.enclosure.evaluations import in_bits
-from driftproof.enclosure.numbers import size
+from driftproof.enclosure.arithmetic.evaluations import in_bits
+from driftproof.enclosure.arithmetic.numbers import size
 from driftproof.support.plain_text import Json, as_json, counted
 from driftproof.support.results import Printable
 from driftproof.symbolic.algebra.certified import Uncertified, endpoints, scientific, significant

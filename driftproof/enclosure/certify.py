@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from driftproof.enclosure.arithmetic.evaluations import Refused, in_bits
+from driftproof.enclosure.arithmetic.numbers import size
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
-from driftproof.enclosure.evaluations import Refused, in_bits
-from driftproof.enclosure.exact_runs import NotItsSteps, Row, StepPlan, plan_of, unchecked_intervals
-from driftproof.enclosure.fields import WRITTEN, RightHandSide, enclosable
+from driftproof.enclosure.fields.fields import WRITTEN, RightHandSide, enclosable
+from driftproof.enclosure.fields.text_fields import GivenField, given_field, right_hand_side
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
-from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import GivenParameters, GivenTable, given_problem
 from driftproof.enclosure.reproduction import require_reproduced_between
-from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
-from driftproof.enclosure.text_fields import GivenField, given_field, right_hand_side
+from driftproof.enclosure.runs.exact_runs import NotItsSteps, Row, StepPlan, plan_of, unchecked_intervals
+from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
 from driftproof.enclosure.trajectories import Trajectory, failure_of, has_trajectory, read_trajectory, trajectory_of
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.rationals import ExactNumber
 from driftproof.methods.schemes import Method
-from driftproof.methods.vector_fields import VectorField
 from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose

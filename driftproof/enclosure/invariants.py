@@ -7,13 +7,13 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
+from driftproof.enclosure.arithmetic.evaluations import Evaluation, Refused
+from driftproof.enclosure.arithmetic.numbers import Enclosed
 from driftproof.enclosure.certificate import Drift, decimal
-from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.fields import enclosable, enclosed_values
-from driftproof.enclosure.numbers import Enclosed
-from driftproof.enclosure.text_fields import GivenField, field_function
-from driftproof.methods.field_text import rate_of_text
-from driftproof.methods.vector_fields import VectorField
+from driftproof.enclosure.fields.fields import enclosable, enclosed_values
+from driftproof.enclosure.fields.text_fields import GivenField, field_function
+from driftproof.methods.formulas.field_text import rate_of_text
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.support.plain_text import unknown
 
 # I(y) as a function of y or as text; a name in FIRST_INTEGRALS stands for its text.

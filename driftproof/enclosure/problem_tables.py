@@ -16,14 +16,14 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from flint import arb
 
-from driftproof.enclosure.evaluations import Refused, in_bits
-from driftproof.enclosure.fields import RightHandSide, time_first
+from driftproof.enclosure.arithmetic.evaluations import Refused, in_bits
+from driftproof.enclosure.fields.fields import RightHandSide, time_first
+from driftproof.enclosure.fields.text_fields import field_function, given_field
+from driftproof.enclosure.fields.traced_fields import field_of_function
 from driftproof.enclosure.invariants import enclosed_invariant
 from driftproof.enclosure.reproduction import reproduced_field
-from driftproof.enclosure.text_fields import field_function, given_field
-from driftproof.enclosure.traced_fields import field_of_function
-from driftproof.methods.expressions import parse_number
-from driftproof.methods.field_text import (
+from driftproof.methods.formulas.expressions import parse_number
+from driftproof.methods.formulas.field_text import (
     LONGEST_PROBLEM,
     PROBLEM_KEYS,
     energy_of_table,
@@ -33,9 +33,9 @@ from driftproof.methods.field_text import (
     start_of_table,
     unknowns_of_table,
 )
-from driftproof.methods.rationals import ExactNumber, brief, steps_of
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.rationals import ExactNumber, brief, steps_of
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.support.environment import imported_object
 from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, read_toml, require_keys

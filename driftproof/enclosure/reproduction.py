@@ -13,9 +13,8 @@ from math import ulp
 import numpy as np
 from flint import arb
 
-from driftproof.enclosure.certificate import decimal
-from driftproof.enclosure.clocks import Clock
-from driftproof.enclosure.evaluations import (
+from driftproof.enclosure.arithmetic.clocks import Clock
+from driftproof.enclosure.arithmetic.evaluations import (
     TWO_RUNS,
     Evaluation,
     Overlapping,
@@ -25,10 +24,11 @@ from driftproof.enclosure.evaluations import (
     in_bits,
     not_smooth,
 )
-from driftproof.enclosure.fields import RightHandSide, linearised
-from driftproof.enclosure.numbers import size
-from driftproof.enclosure.text_fields import field_function
-from driftproof.methods.vector_fields import VectorField
+from driftproof.enclosure.arithmetic.numbers import size
+from driftproof.enclosure.certificate import decimal
+from driftproof.enclosure.fields.fields import RightHandSide, linearised
+from driftproof.enclosure.fields.text_fields import field_function
+from driftproof.methods.formulas.vector_fields import VectorField
 
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.

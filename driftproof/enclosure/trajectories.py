@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.columns import ReadColumns, column_names, named_columns, unnamed_columns
-from driftproof.enclosure.evaluations import Refused
 from driftproof.support.files import read_bytes, read_utf8
 
 # The unit roundoffs of the two formats that the numbers of a trajectory may have.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.methods.schemes import RungeKutta, Staged
 
 

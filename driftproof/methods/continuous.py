@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import zip_longest
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Definition, MethodError, RungeKutta
 
 # A polynomial in theta, constant term first.

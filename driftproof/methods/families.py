@@ -14,9 +14,9 @@ from fractions import Fraction
 from functools import cache, reduce
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction
 from driftproof.methods.names import KeyedTable, UnknownKey
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import shortened
 
@@ -113,7 +113,9 @@ def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
 
     Raises ValueError, in one line that begins with `what`.
     """
-    from driftproof.methods.expressions import evaluate_expression  # not needed for methods without a parameter
+    from driftproof.methods.formulas.expressions import (
+        evaluate_expression,  # not needed for methods without a parameter
+    )
 
     unknown = f"is an unknown name; the parameter is {parameter}"
     value = evaluate_expression(text, {parameter: parameter_function((0, 1))}, what, unknown)

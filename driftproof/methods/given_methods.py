@@ -88,7 +88,7 @@ def subject_of(given: str | Path | Method | Family | FurtherMethod) -> Method | 
     if at and not keys_of_name(name):
         if not isinstance(family := subject_of(of), Family):
             raise ValueError(f"{family.key} has no parameter; only families such as sdirk_order_2 do")
-        from driftproof.methods.expressions import parse_number
+        from driftproof.methods.formulas.expressions import parse_number
 
         return family.member(parse_number(value.strip(), family.parameter))
     families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read

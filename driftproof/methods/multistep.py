@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.methods.schemes import Definition, MethodError, nonzero_residuals, rational_row
 
 

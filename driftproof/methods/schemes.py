@@ -9,8 +9,8 @@ from functools import cached_property
 from math import lcm, prod
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction, dyadic
-from driftproof.methods.number_field import Algebraic, Exact, NumberField, real_root_balls, total
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction, dyadic
+from driftproof.methods.numbers.number_field import Algebraic, Exact, NumberField, real_root_balls, total
 
 if TYPE_CHECKING:
     from flint import arb

@@ -29,11 +29,11 @@ from typing import Any
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FurtherMethod
-from driftproof.methods.common_field import common_field, element_of
-from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import Family, ParameterFunction, parameter_function, parse_function
+from driftproof.methods.formulas.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Algebraic, Exact, NumberField
+from driftproof.methods.numbers.common_field import common_field, element_of
+from driftproof.methods.numbers.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.support.toml_tables import (

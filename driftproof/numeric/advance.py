@@ -7,17 +7,17 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.program_text import indented, maker_text
+from driftproof.methods.programs.program_text import indented, maker_text
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_runner, elementwise, program_function, runner
-from driftproof.numeric.implicit import ImplicitRun, implicit_runner
-from driftproof.numeric.multistep import MultistepRun, multistep_runner
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.rosenbrock import rosenbrock_runner
 from driftproof.numeric.run import nearest_double
 from driftproof.numeric.steppers import evaluations_per_step
+from driftproof.numeric.steps.engine import compiled_runner, elementwise, program_function, runner
+from driftproof.numeric.steps.implicit import ImplicitRun, implicit_runner
+from driftproof.numeric.steps.multistep import MultistepRun, multistep_runner
+from driftproof.numeric.steps.rosenbrock import rosenbrock_runner
 
 State: TypeAlias = Sequence[float]
 Rate: TypeAlias = Callable[[float, Any], list[float]]

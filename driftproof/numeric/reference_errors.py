@@ -18,12 +18,12 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.numeric.advance import Advance, field_rate, rests_at_origin
-from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import DenseSolution, Digits, Problem
 from driftproof.numeric.readouts import phase_error
+from driftproof.numeric.steps.engine import functions_of
 from driftproof.support.plain_text import with_digits
 
 _DIGITS = 60
@@ -195,7 +195,7 @@ def largest_state_size(problem: Problem) -> float:
 
 
 def branch_remark(problem: Problem, run: Advance | None, error: float) -> str:
-    """What is to be said of a run that found roots on another branch, as `numeric.implicit` says; "" if nothing.
+    """What is to be said of a run that found roots on another branch, as `numeric.steps.implicit` says; "" if nothing.
 
     A linear problem's stage equations have one root, and a run that follows the solution has found a good one.
     """

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import brief
+from driftproof.methods.numbers.rationals import brief
+from driftproof.methods.programs.stepping import Force, Step, oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Force, Step, oscillator
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import readouts
 from driftproof.numeric.readouts import LARGEST_CHANGE, ON_THE_WAY, TRAJECTORY, FloatOrArray, FloatState
 from driftproof.numeric.steppers import CountedForce, float_stepper
@@ -156,7 +156,7 @@ def _float_step(method: Method) -> Step:
     """The method's step; an implicit one solves its stages by Newton's method, whose evaluations of the force count."""
     if method.explicit:
         return float_stepper(method)
-    from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_runner
+    from driftproof.numeric.steps.implicit import StageEquationsUnsolved, implicit_runner
 
     run = implicit_runner(method, VectorField(("y1", "-y0")))
 

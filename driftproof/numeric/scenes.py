@@ -14,7 +14,7 @@ from pathlib import Path
 
 from driftproof.methods.catalogue import Entry
 from driftproof.methods.given_methods import NamedMethods, entry_of, method_of
-from driftproof.methods.rationals import parse_rational, step_count
+from driftproof.methods.numbers.rationals import parse_rational, step_count
 from driftproof.methods.schemes import Method
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import Problem

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from driftproof.numeric.advance import Advance, State, error_summary
-from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.steps.field_loops import field_writers
 
 _Matrix: TypeAlias = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from functools import cache
 
+from driftproof.methods.programs.stepping import Force, Number, Step, oscillator, stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
 
 
 def forward_euler(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 from driftproof.methods.catalogue import Entry, FurtherMethod
-from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
+from driftproof.methods.formulas.expressions import parse_number, parse_system
 from driftproof.methods.given_methods import subject_of
-from driftproof.methods.number_field import Algebraic
-from driftproof.methods.rationals import ExactNumber, exact_number
+from driftproof.methods.numbers.number_field import Algebraic
+from driftproof.methods.numbers.rationals import ExactNumber, exact_number
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable

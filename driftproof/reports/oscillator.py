@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import ExactNumber, GivenState, exact_number, state_of, step_of
+from driftproof.methods.numbers.rationals import ExactNumber, GivenState, exact_number, state_of, step_of
 from driftproof.methods.schemes import Method
 from driftproof.reports.progress import count_steps
 from driftproof.support.plain_text import DIGITS_UNASKED, Json, as_json

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.given_methods import GivenMethods, methods_of
-from driftproof.methods.rationals import ExactNumber
+from driftproof.methods.numbers.rationals import ExactNumber
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.document import Part, document, scene_title
 from driftproof.reports.problem_page import STIFF_METHODS, problem_part, stiff_part

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import partial
 
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.field_text import choices_as_functions
+from driftproof.methods.formulas.field_text import choices_as_functions
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import Scene

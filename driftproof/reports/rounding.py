@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import ExactNumber, steps_of
+from driftproof.methods.numbers.rationals import ExactNumber, steps_of
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper, hand_written
 from driftproof.support.plain_text import Json, table, unknown
 from driftproof.support.results import Answered

@@ -89,7 +89,7 @@ def starts_of(scene: Scene) -> dict[str, str]:
     several = {key: m for key in (scene.selected, *scene.methods) if isinstance(m := scene.method(key), Multistep)}
     if not several:
         return {}
-    from driftproof.numeric.multistep import start_of
+    from driftproof.numeric.steps.multistep import start_of
 
     return {key: start_of(method).key for key, method in several.items()}
 

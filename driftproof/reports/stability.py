@@ -17,15 +17,14 @@ from flint import ctx
 from driftproof.enclosure.problem_tables import GivenParameters, steps_to
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.given_methods import GivenMethods, methods_of
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Exact
-from driftproof.methods.rationals import ExactNumber, brief, step_count
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.numbers.rationals import ExactNumber, brief, step_count
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import Advance, advance, float_start, float_step, rests_at_origin
-from driftproof.numeric.multistep import MultistepRun
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import (
@@ -46,6 +45,7 @@ from driftproof.numeric.stability import (
     observe,
     stays_bounded,
 )
+from driftproof.numeric.steps.multistep import MultistepRun
 from driftproof.numeric.sweep import digest
 from driftproof.numeric.work_precision.curves import MOST, MOST_FOR_GOAL
 from driftproof.numeric.work_precision.integrators import has_numba

@@ -14,7 +14,7 @@ DIGITS = 6
 STABLE_FROM = ", stable from"
 # Characters of an exact number that is shown in a table.
 _LONGEST_EXACT = 24
-# Said of a step that `numeric.implicit` finds past a singular matrix.
+# Said of a step that `numeric.steps.implicit` finds past a singular matrix.
 _ANOTHER_BRANCH = (
     "another branch: in the step to that t the root found of the stage equations is not the one that continues the\n"
     "solution as h grows from 0, but one behind a singular matrix; of the continued root the error may be another"

@@ -11,7 +11,7 @@ from pathlib import Path
 from driftproof.enclosure.problem_tables import GivenParameters
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.given_methods import GivenMethods, methods_of
-from driftproof.methods.rationals import ExactNumber, exact_number
+from driftproof.methods.numbers.rationals import ExactNumber, exact_number
 from driftproof.numeric.reference_errors import floors
 from driftproof.numeric.stability import STIFF_DECAY, fastest_decay
 from driftproof.reports.progress import kept_in, progress_bar

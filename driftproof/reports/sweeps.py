@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.methods.given_methods import GivenMethods, names_of
-from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
+from driftproof.methods.numbers.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.readouts import ENERGY_ERROR, LARGEST_ERROR
 from driftproof.numeric.run import Readouts

@@ -20,10 +20,11 @@ import numpy as np
 from flint import arb, ctx, fmpq_mat
 
 import driftproof
+from driftproof.enclosure.arithmetic.evaluations import TWO_RUNS, Refused
+from driftproof.enclosure.arithmetic.numbers import size
 from driftproof.enclosure.certificate import decimal
-from driftproof.enclosure.evaluations import TWO_RUNS, Refused
+from driftproof.enclosure.fields.text_fields import field_function, linear_part
 from driftproof.enclosure.invariants import enclosed_invariant
-from driftproof.enclosure.numbers import size
 from driftproof.enclosure.problem_tables import (
     GivenParameters,
     as_toml,
@@ -33,15 +34,14 @@ from driftproof.enclosure.problem_tables import (
     stated_number,
     with_parameters,
 )
-from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.steps import DensePiece
-from driftproof.enclosure.text_fields import field_function, linear_part
+from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.solution.steps import DensePiece
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.rationals import brief
+from driftproof.methods.formulas.field_text import LONGEST_PROBLEM
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.rationals import brief
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, DenseSolution, Problem, Reference
 from driftproof.numeric.reference_errors import ENERGY, floors

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.linear.printed_digits import RoundedOrder
 from driftproof.symbolic.rosenbrock import MOST_VERTICES

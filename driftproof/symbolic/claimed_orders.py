@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, Entry
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, Splitting, Staged
 from driftproof.symbolic.algebra.certified import AWAY, scientific
 from driftproof.symbolic.algebra.polynomials import X, polynomial

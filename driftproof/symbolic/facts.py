@@ -13,8 +13,8 @@ from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.methods.families import Family
 from driftproof.methods.given_methods import method_of
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Exact
-from driftproof.methods.rationals import ExactNumber, exact_number
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.numbers.rationals import ExactNumber, exact_number
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 from flint import fmpq, fmpq_poly
 
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Exact, UndecidedError
+from driftproof.methods.numbers.number_field import Exact, UndecidedError
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
     at_parameter,

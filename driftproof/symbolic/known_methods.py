@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, FURTHER_METHODS, METHODS, Entry
-from driftproof.methods.common_field import in_one_field
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, total
+from driftproof.methods.numbers.common_field import in_one_field
+from driftproof.methods.numbers.number_field import Algebraic, Exact, UndecidedError, total
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import shortened
 from driftproof.symbolic.algebra.rational_functions import exact_text

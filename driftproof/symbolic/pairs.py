@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, extensions_of
 from driftproof.methods.continuous import ContinuousExtension
-from driftproof.methods.flint_rationals import as_fraction
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fraction
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root

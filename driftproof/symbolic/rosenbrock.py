@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from flint import fmpq
 
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.linear.printed_digits import RoundedOrder

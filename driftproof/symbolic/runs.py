@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.rationals import exact_number, state_of, step_count
+from driftproof.methods.numbers.rationals import exact_number, state_of, step_count
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import EnclosedReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar

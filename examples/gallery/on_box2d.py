@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from driftproof.blackbox.stepper.objects import stepper_of
+from driftproof.blackbox.stepper.states.objects import stepper_of
 from examples.gallery.entry import targets
 
 

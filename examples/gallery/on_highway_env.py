@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from driftproof.blackbox.stepper.objects import stepper_of
+from driftproof.blackbox.stepper.states.objects import stepper_of
 from examples.gallery.entry import targets
 
 

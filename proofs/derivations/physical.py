@@ -7,8 +7,8 @@ from typing import NamedTuple
 import sympy
 from sympy import QQ, ring
 
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.derivation.one_step import StepPolynomial, rational
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN

@@ -8,8 +8,8 @@ from fractions import Fraction
 from math import lcm
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.flint_rationals import as_fraction
-from driftproof.methods.number_field import Exact, NumberField
+from driftproof.methods.numbers.flint_rationals import as_fraction
+from driftproof.methods.numbers.number_field import Exact, NumberField
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.printed_digits import RESIDUAL_DIGITS

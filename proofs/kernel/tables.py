@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Method, RungeKutta, Splitting
 from driftproof.numeric.scenes import PRESETS
 from proofs.kernel.coq import argument, coq_list, file_text, rational

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from driftproof.methods.rationals import step_count
+from driftproof.methods.numbers.rationals import step_count
 from driftproof.numeric.scenes import PRESETS
 from proofs.claims import CERTIFIED, COUNTED, GIVEN
 from proofs.kernel.coq import Theorem, argument, file_text, rational

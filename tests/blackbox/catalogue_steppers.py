@@ -9,9 +9,9 @@ from functools import cache
 
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.runs import Entries

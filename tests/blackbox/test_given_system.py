@@ -7,7 +7,7 @@ import pytest
 
 from driftproof import Allowance, Domain, assert_verified, stepper_of, verify
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import stepper
+from driftproof.methods.programs.stepping import stepper
 from tests.looping import exactly
 
 EXACT = Allowance(solver_tolerance=1e-12)

@@ -49,7 +49,7 @@ def test_every_kind_of_error_is_planted_where_it_stands_and_nowhere_else(tmp_pat
 
 
 def test_tests_of_a_module_begin_with_its_own() -> None:
-    assert checks_of(ROOT, "driftproof/methods/rationals.py")[0] == "tests/methods/test_rationals.py"
+    assert checks_of(ROOT, "driftproof/methods/numbers/rationals.py")[0] == "tests/methods/numbers/test_rationals.py"
     assert "tests/methods/tables/test_tables_entries.py" in checks_of(ROOT, "driftproof/methods/tables/basic.py")
 
 
@@ -64,7 +64,7 @@ def test_a_mutant_is_killed_by_a_test_that_passes_without_it(tmp_path: Path) -> 
 
 
 def test_page_leaves_out_of_the_score_what_is_equivalent() -> None:
-    killed, survived, equivalent = mutants_of(ROOT, "driftproof/methods/rationals.py")[:3]
+    killed, survived, equivalent = mutants_of(ROOT, "driftproof/methods/numbers/rationals.py")[:3]
     text = page({killed: KILLED, survived: SURVIVED, equivalent: EQUIVALENT}, "python")
     assert "| methods | 3 | 1 | 1 | 1 | 0 | 50 % |" in text
     assert text.count(f"`{survived.new}`") >= 1

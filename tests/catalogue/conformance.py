@@ -12,9 +12,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, ctx, fmpq
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
+from driftproof.methods.programs.stepping import Lift, Number, oscillator, stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Lift, Number, oscillator, stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import ONE, X, scalar
 from driftproof.symbolic.algebra.polynomials import coefficients as entry_coefficients

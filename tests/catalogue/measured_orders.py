@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import Step, stepper
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import Step, stepper
 from driftproof.symbolic.algebra.certified import enclose
 
 Series: TypeAlias = Any

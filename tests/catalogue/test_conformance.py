@@ -19,9 +19,9 @@ import pytest
 from flint import arb
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.numbers.number_field import Algebraic
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import taylor
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT

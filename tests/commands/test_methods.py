@@ -6,7 +6,7 @@ import pytest
 
 import driftproof
 from driftproof.methods.catalogue import FURTHER_METHODS
-from driftproof.methods.expressions import parse_system
+from driftproof.methods.formulas.expressions import parse_system
 from driftproof.methods.given_methods import method_of
 from driftproof.symbolic.linear.systems import SYSTEM_FACTS
 

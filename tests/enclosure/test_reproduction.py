@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from driftproof import certify
-from driftproof.enclosure.evaluations import Refused
-from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.arithmetic.evaluations import Refused
+from driftproof.enclosure.fields.fields import enclosable
+from driftproof.enclosure.fields.traced_fields import field_of_function
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.enclosure.reproduction import (
     NotReproduced,
@@ -18,7 +19,6 @@ from driftproof.enclosure.reproduction import (
     require_reproduced,
     require_reproduced_between,
 )
-from driftproof.enclosure.traced_fields import field_of_function
 
 
 class Breaker:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof.enclosure import trajectories
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.trajectories import (
     BINARY32_UNIT,
     BINARY64_UNIT,

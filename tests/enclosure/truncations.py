@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 from flint import ctx
 
-from driftproof.enclosure.exact_runs import StepPlan
-from driftproof.enclosure.fields import enclosable
-from driftproof.enclosure.solutions import enclose_solution
+from driftproof.enclosure.fields.fields import enclosable
+from driftproof.enclosure.runs.exact_runs import StepPlan
+from driftproof.enclosure.solution.solutions import enclose_solution
 
 BITS = 256
 

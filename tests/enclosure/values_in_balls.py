@@ -2,9 +2,9 @@
 
 from flint import arb
 
-from driftproof.enclosure.evaluations import Evaluation
-from driftproof.enclosure.fields import enclosable, enclosed_rates
-from driftproof.enclosure.numbers import Enclosed
+from driftproof.enclosure.arithmetic.evaluations import Evaluation
+from driftproof.enclosure.arithmetic.numbers import Enclosed
+from driftproof.enclosure.fields.fields import enclosable, enclosed_rates
 
 STATE = (0.625, 1.5, -0.25)
 

@@ -12,8 +12,8 @@ from sympy import QQ, ring
 from driftproof import Facts, strategies
 from driftproof.methods import catalogue
 from driftproof.methods.catalogue import METHODS, entry_named
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.one_step import matrix_of, one_step_matrix, rational
 from proofs.derivations.convergence import local_error

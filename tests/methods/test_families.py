@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import read_method
 from driftproof.reports.fact_sheet import facts

@@ -9,7 +9,7 @@ from driftproof import METHODS, facts, read_method, value
 from driftproof.methods.catalogue import FURTHER_METHODS, entry_named
 from driftproof.methods.given_methods import method_of, subject_of
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from tests.looping import exactly
 

@@ -13,7 +13,7 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import Collocation, MethodError, Nystrom, RungeKutta, Splitting
 
 NAMED = {"key": "mine", "title": "Mine", "claimed_order": 2, "source": "me-2024, 1"}

@@ -13,7 +13,7 @@ from driftproof.methods import tableau_file
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FURTHER_METHODS
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import cube_root, square_root
+from driftproof.methods.numbers.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import read_method
 from tests.methods.conftest import Write

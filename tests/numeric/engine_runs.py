@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from driftproof.methods.stepping import stepper
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_runner, runner
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.stepping import stepper
+from driftproof.numeric.steps.engine import compiled_runner, runner
 
 OSCILLATOR, PENDULUM = VectorField(("y1", "-y0")), VectorField(("y1", "-sin(y0)"))
 

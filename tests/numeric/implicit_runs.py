@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric import newton
-from driftproof.numeric.implicit import NO_STEP, implicit_runner, require_done
-from driftproof.numeric.loops import FieldWriters
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference
-from driftproof.numeric.tableaux import float_tableau
+from driftproof.numeric.steps import newton
+from driftproof.numeric.steps.implicit import NO_STEP, implicit_runner, require_done
+from driftproof.numeric.steps.loops import FieldWriters
+from driftproof.numeric.steps.tableaux import float_tableau
 
 U = Fraction(1, 2**53)
 

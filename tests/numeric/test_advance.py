@@ -7,9 +7,9 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric.advance import field_rate, float_step
-from driftproof.numeric.engine import functions_of
+from driftproof.numeric.steps.engine import functions_of
 
 U = Q(1, 2**53)
 

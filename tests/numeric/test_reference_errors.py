@@ -11,9 +11,9 @@ import mpmath
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import square_root
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.problems.problem import EXACT, Reference

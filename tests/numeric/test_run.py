@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric import run as run_module
 from driftproof.numeric.readouts import ON_THE_WAY

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.stepping import Step, oscillator, stepper
+from driftproof.methods.programs.stepping import Step, oscillator, stepper
 from driftproof.numeric.steppers import (
     HAND_WRITTEN,
     evaluations_per_step,

@@ -13,10 +13,10 @@ from benchmarks import __main__ as benchmarks
 from benchmarks import answers, engine, exact_facts, growth, harness, import_time, lines, peers_time, roundoff
 from benchmarks.harness import Contestant, Goal, Row, Section, Subject, forget, measure, timed
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric import field_loops
 from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import runner
 from driftproof.numeric.steppers import rk4
+from driftproof.numeric.steps import field_loops
+from driftproof.numeric.steps.engine import runner
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.reports.work_precision.peers import Peer
 from driftproof.symbolic.facts import FACTS

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from docs.language_tables import TABLES, questions_of
 from docs.pages import refreshed
-from driftproof.methods import expression_tree
+from driftproof.methods.formulas import expression_tree
 from driftproof.texts.questions import parser
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES

@@ -9,7 +9,7 @@ import pytest
 
 from driftproof import run
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
 from driftproof.reports.rounding import budget_answer, budget_text, roundoff
 from driftproof.symbolic.rounding.formats import BINARY32

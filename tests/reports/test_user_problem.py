@@ -12,14 +12,14 @@ import pytest
 from flint import arb, ctx
 from mpmath import atan, cos, exp, log, mpf, nstr, sin, sqrt, workdps
 
-from driftproof.enclosure.evaluations import Refused
+from driftproof.enclosure.arithmetic.evaluations import Refused
 from driftproof.enclosure.problem_tables import problem_table
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import field_of_text
-from driftproof.numeric.engine import runner
+from driftproof.methods.formulas.field_text import field_of_text
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT
 from driftproof.numeric.reference_errors import decimal_energy, is_oscillator, largest_state_size
+from driftproof.numeric.steps.engine import runner
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
 from driftproof.reports.scene_view import readout_rows

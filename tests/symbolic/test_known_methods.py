@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.number_field import NumberField
+from driftproof.methods.numbers.number_field import NumberField
 from driftproof.methods.schemes import SUBSTEPS, Collocation, RungeKutta
 from driftproof.symbolic.known_methods import known_as
 from tests.looping import some

@@ -14,8 +14,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof import strategies
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.schemes import Nystrom, RungeKutta
-from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic import runs
 from driftproof.symbolic.algebra.certified import endpoints, fixed, significant
 from driftproof.symbolic.runs import OscillatorRun, as_balls, exact_matrix_at, power, short_power
@@ -133,7 +133,7 @@ def test_exact_state_is_written_as_sympy_writes_it(start: tuple[Q, Q], t: Q) -> 
 @pytest.mark.parametrize(
     ("command", "used"),
     [
-        *(("run rk4 --h 1/4 --t 10", "symbolic.runs"), ("step rk4 --h 1/4 --state 1,0", "methods.stepping")),
+        *(("run rk4 --h 1/4 --t 10", "symbolic.runs"), ("step rk4 --h 1/4 --state 1,0", "methods.programs.stepping")),
         *(("facts gauss2", "symbolic.facts"), ("roundoff yoshida4 --h 1/10", "symbolic.rounding.step_bound")),
         ("verify examples.in_your_tests.springs:velocity_verlet --method rk4", "blackbox.verify"),
     ],

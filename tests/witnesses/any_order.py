@@ -7,8 +7,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.rounding.any_evaluation_order import ErrorTally, MultipliedOutTally, size_of_coefficient
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.polynomials import D, ErrorPolynomial, H, Q, V, constant_polynomial, terms

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from driftproof.methods.stepping import Force, Number
+from driftproof.methods.programs.stepping import Force, Number
 
 
 def leapfrog(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:

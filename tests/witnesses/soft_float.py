@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 

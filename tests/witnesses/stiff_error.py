@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.linear.oscillator import stability_function_of

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.stepping import oscillator
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.runs import exact_matrix_at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction as Q
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from tests.witnesses.leapfrog import leapfrog
 
 VERLET = METHODS["velocity_verlet"]

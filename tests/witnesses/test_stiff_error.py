@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from driftproof.numeric.tableaux import solved
+from driftproof.numeric.steps.tableaux import solved
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
 from tests.looping import some

@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.rounding.step_bound import step_bound
 from tests.witnesses import worst_case

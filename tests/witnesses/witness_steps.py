@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from fractions import Fraction as Q
 from typing import Any, TypeAlias
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import Force, Lift, Number, Step, oscillator
 from driftproof.methods.schemes import Collocation, Method, Nystrom, Splitting
-from driftproof.methods.stepping import Force, Lift, Number, Step, oscillator
 from driftproof.symbolic.algebra.polynomials import X, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 

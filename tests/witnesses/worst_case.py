@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from driftproof.methods.stepping import Step, oscillator
+from driftproof.methods.programs.stepping import Step, oscillator
 from driftproof.symbolic.rounding.polynomials import middle_and_radius
 from driftproof.symbolic.rounding.step_bound import COLUMNS, ByPower, StepBound, Terms, in_format
 

@@ -22,10 +22,10 @@ from driftproof.blackbox.checks.trials import (
     steady_runner,
 )
 from driftproof.blackbox.findings import Misbehaviour, NotANumber
-from driftproof.blackbox.stepper import array_adapters as adapters
 from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states import array_adapters as adapters
 
 _WHOLE = (3, 1)
 # What integers may change in a step of numbers of this size, as sums of integers are exact.

@@ -21,9 +21,9 @@ from driftproof.blackbox.checks.trials import (
     quantisation_of,
     steady_runner,
 )
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.symbolic.rounding.formats import BINARY64, power_of_two
 
 LINEAR, _REST, _DIGITS, _SUBNORMALS = "linear", "rest", "small_digits", "subnormals"

@@ -16,10 +16,10 @@ from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, wal
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import zeros
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.support.plain_text import Json
 
 # Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.

@@ -16,10 +16,10 @@ from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, fie
 from driftproof.blackbox.judging.nonlinear_step import solved_in_balls
 from driftproof.blackbox.judging.walks import Walker
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import IMPLICIT, JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.symbolic.algebra.certified import enclose
 
 # The precision and the length of a difference in balls: its quotient is right to the last bit of a float of size 1.

@@ -20,7 +20,7 @@ from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FURTHER_METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.additive import AdditiveFacts
 

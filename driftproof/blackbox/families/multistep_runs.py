@@ -16,9 +16,9 @@ from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedC
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, passes_time, walls
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, GRID, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 
 # The multiples of the golden mean, modulo 1, lie far apart: no two answers of a run are alike, and no few related.
 _GOLDEN = 0.6180339887498949

@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import FURTHER_METHODS
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.rosenbrock import RosenbrockFacts

@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, first_taken
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import Criterion
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.number_field import Exact
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
+from driftproof.methods.numbers.number_field import Exact
 
 _Reading = TypeVar("_Reading")
 ESTIMATE = "Error estimate"

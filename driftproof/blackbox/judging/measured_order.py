@@ -16,10 +16,10 @@ from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, Not
 from driftproof.blackbox.judging import nonlinear_problems as problems
 from driftproof.blackbox.judging.nonlinear_step import error_above
 from driftproof.blackbox.judging.specification import Specification
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.symbolic.rounding.formats import BINARY32
 
 # At h = 2**-8 a method of order 12 errs by some 2**-110: balls of this precision are far narrower.

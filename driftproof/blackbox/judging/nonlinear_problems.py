@@ -10,10 +10,10 @@ from typing import TypeAlias
 from flint import arb
 
 from driftproof.blackbox.findings import WrongShape, first_taken
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.support.plain_text import counted
 
 _State: TypeAlias = list[AnyNumber]

@@ -18,12 +18,12 @@ from driftproof.blackbox.judging.specification import Allowance, Specification
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 
 # Chosen: balls of this precision are far narrower than the rounding errors of doubles.

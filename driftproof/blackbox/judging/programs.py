@@ -14,7 +14,7 @@ import numpy as np
 
 from driftproof.blackbox.matching.tables import Array, exact_tableau
 from driftproof.blackbox.probes.coefficients import exact_shown
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import counted
 

@@ -14,8 +14,6 @@ import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.nonlinear_problems import capped_exp, gives_force_times
-from driftproof.blackbox.judging.own_steps import COMPARED, OwnSteps
-from driftproof.blackbox.judging.own_system import OwnSystem, own_system, system_of
 from driftproof.blackbox.judging.programs import (
     Parameter,
     Program,
@@ -27,11 +25,13 @@ from driftproof.blackbox.judging.programs import (
     unsettled,
 )
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
+from driftproof.blackbox.judging.systems.own_steps import COMPARED, OwnSteps
+from driftproof.blackbox.judging.systems.own_system import OwnSystem, own_system, system_of
 from driftproof.blackbox.probes.coefficients import simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 

@@ -8,7 +8,7 @@ from math import inf
 
 from driftproof.blackbox.stepper.starts import Start
 from driftproof.methods.catalogue import Entry
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.numbers.rationals import parse_rational
 
 
 @dataclass(frozen=True)

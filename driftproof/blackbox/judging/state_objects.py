@@ -16,7 +16,6 @@ from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.tolerance import KICKS, Tolerance
 from driftproof.blackbox.judging.walks import NUDGE, Walker, walk_on
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     FORCE,
@@ -29,9 +28,10 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.named_answers import clock_of, goes_on, parts_of
-from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
-from driftproof.blackbox.stepper.wrappers import turn_wrapper
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
+from driftproof.blackbox.stepper.states.named_answers import clock_of, goes_on, parts_of
+from driftproof.blackbox.stepper.states.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
+from driftproof.blackbox.stepper.wrappers.wrappers import turn_wrapper
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # By what the state is multiplied before each of the successive steps from each form of state.

@@ -23,9 +23,9 @@ from driftproof.blackbox.judging.nonlinear_problems import (
 from driftproof.blackbox.judging.nonlinear_step import BITS, REFUSALS, NonlinearComparison
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.matching.tables import exact_tableau
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 
 # The numbers of components tried: all up to one more than the widest vector registers hold, among them those of states
 # that codes treat in a way of their own (6 of a satellite, 7 with a quaternion, 13 of a rigid body); then whole blocks.

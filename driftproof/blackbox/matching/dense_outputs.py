@@ -15,7 +15,7 @@ from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.continuous import ContinuousExtension, hermite
-from driftproof.methods.number_field import total
+from driftproof.methods.numbers.number_field import total
 from driftproof.methods.schemes import RungeKutta
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, X, scalar

@@ -25,9 +25,9 @@ from flint import acb, arb, arb_poly, ctx
 from numpy.typing import NDArray
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Method, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part

@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.calling_conventions import TOLERANCE_NAMES, parameters_of, word_of
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.known_methods import are_few

@@ -9,7 +9,7 @@ from fractions import Fraction
 from flint import arb, arb_series, ctx
 
 from driftproof.blackbox.matching.equivalent_methods import CERTIFYING_BITS, LinearlyEquivalentMethods
-from driftproof.methods.stepping import stepper
+from driftproof.methods.programs.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, coefficients, exact, polynomial

@@ -15,7 +15,7 @@ from driftproof.blackbox.probes.coefficients import coefficient_difference
 from driftproof.blackbox.probes.force import ForceReading, SubSteps
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, reduced_word
 

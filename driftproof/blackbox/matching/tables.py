@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 

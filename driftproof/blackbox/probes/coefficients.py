@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 

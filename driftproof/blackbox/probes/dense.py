@@ -14,9 +14,9 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
-from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import STEP, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import Foreign
 
 # Sixteenths are exact in every format. 16 of them fix a polynomial of degree 15; the last one confirms it.
 THETAS = tuple(Fraction(k, 16) for k in range(17))

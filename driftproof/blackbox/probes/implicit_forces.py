@@ -12,9 +12,9 @@ from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting, Stage
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.probes.tableau import is_explicit
-from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber
 
 # The part of the position's weights in what chains are read from: every stage shows, and none in use cancels.
 _OF_POSITION = 0.625

@@ -10,9 +10,9 @@ from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, first_taken
 from driftproof.blackbox.probes.scripted_answers import ADAPTIVE, Listener, NotReadable, result_of
-from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import PARTED, SCALARS
 
 # A stage: the number of its time, then that of each clock's value there, all in the order of the first call.
 StageLabel: TypeAlias = tuple[int, ...]

@@ -13,7 +13,7 @@ from numpy.polynomial import Chebyshev
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.solvers.foreign_solver import MOST_CALLS_OF_A_RUN, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
 # The slope of a run as a function of t.

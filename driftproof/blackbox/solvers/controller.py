@@ -31,7 +31,7 @@ from driftproof.blackbox.solvers.marked_steps import StageRate, stage_slopes
 from driftproof.blackbox.solvers.step_size_law import FORGOTTEN, Law, LawPoint, exceptions, fitted_law, is_close, shown
 from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
 # The error estimate of a step of size h from the slopes k of its stages.

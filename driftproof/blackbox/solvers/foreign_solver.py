@@ -12,12 +12,12 @@ import numpy as np
 
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
 from driftproof.blackbox.stepper.foreign_code import guarded_call
-from driftproof.blackbox.stepper.function_wrappers import run_of_class
-from driftproof.blackbox.stepper.made_wrappers import owner_of
 from driftproof.blackbox.stepper.opening import NamedCode, imported
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
+from driftproof.blackbox.stepper.wrappers.function_wrappers import run_of_class
+from driftproof.blackbox.stepper.wrappers.made_wrappers import owner_of
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # A solver that makes more calls on these short problems is said not to end, or to be too slow.

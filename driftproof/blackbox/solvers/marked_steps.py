@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.scripted_answers import (
 from driftproof.blackbox.probes.stage_solutions import advanced
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
-from driftproof.blackbox.stepper.array_adapters import as_array
+from driftproof.blackbox.stepper.states.array_adapters import as_array
 from driftproof.symbolic.rounding.formats import BINARY32
 
 # With these tolerances a slope of size 1 makes no error: every step is accepted, and as long as the solver allows.

@@ -20,9 +20,9 @@ from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.judging.measured_order import order_seen, slopes_text
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import COUNT, LENGTH, DoesNotEnd, ForeignSolver, Solution, TooSlow
-from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FUNCTION, GRID, STATE, CallingConvention
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS
 from driftproof.methods.multistep import Multistep
 
 # If slopes depend on t alone, the first correction is exact: the residual of a recurrence is rounding.

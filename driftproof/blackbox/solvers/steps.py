@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.scripted_answers import (
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.solvers.marked_steps import ROUNDINGS_READ, MarkedStep, stepped
-from driftproof.blackbox.stepper.array_adapters import as_array
+from driftproof.blackbox.stepper.states.array_adapters import as_array
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32

@@ -7,7 +7,6 @@ from math import isfinite
 
 import numpy as np
 
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
     FIELD,
@@ -21,6 +20,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, LISTS, SCALARS
 
 
 def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:

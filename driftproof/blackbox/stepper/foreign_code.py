@@ -24,8 +24,15 @@ from driftproof.blackbox.findings import (
     WrongShape,
 )
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.named_answers import clock_of, in_parts, named_pair, part_pair, parts_of, run_parts
+from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
+from driftproof.blackbox.stepper.states.named_answers import (
+    clock_of,
+    in_parts,
+    named_pair,
+    part_pair,
+    parts_of,
+    run_parts,
+)
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]

@@ -11,7 +11,6 @@ from typing import TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, UnsupportedCall, WrongShape
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, SCALARS, AnyNumber, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
     CARRIED,
@@ -31,8 +30,9 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
-from driftproof.methods.stepping import oscillator
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS, AnyNumber, ArrayAdapter, Foreign
+from driftproof.blackbox.stepper.states.state_forms import BATCH, columns_of
+from driftproof.methods.programs.stepping import oscillator
 
 # A force on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]

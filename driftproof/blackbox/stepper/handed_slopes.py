@@ -12,7 +12,7 @@ import numpy as np
 
 from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import Foreign
+from driftproof.blackbox.stepper.states.array_adapters import Foreign
 
 # Names for the slope of the step before; with a number, for the slope that many steps before.
 _PREVIOUS = re.compile(

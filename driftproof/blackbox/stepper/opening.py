@@ -15,8 +15,12 @@ import numpy as np
 
 from driftproof.blackbox import findings
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper import wrappers
-from driftproof.blackbox.stepper.array_adapters import (
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.handed_slopes import with_own_slope, with_slopes_kept
+from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
+from driftproof.blackbox.stepper.starts import AS_PARTS, Start
+from driftproof.blackbox.stepper.states.array_adapters import (
     ARRAYS,
     LISTS,
     SCALARS,
@@ -24,17 +28,10 @@ from driftproof.blackbox.stepper.array_adapters import (
     adapters_of,
     as_array,
 )
-from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import form_of_more_numbers, state_names_of
-from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.handed_slopes import with_own_slope, with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import scope_of
-from driftproof.blackbox.stepper.named_forms import named_forms
-from driftproof.blackbox.stepper.plain_forms import plain_forms
-from driftproof.blackbox.stepper.records import record_forms
-from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
-from driftproof.blackbox.stepper.starts import AS_PARTS, Start
-from driftproof.blackbox.stepper.state_forms import SYSTEMS, forms_of
+from driftproof.blackbox.stepper.states.forms_by_values import form_of_more_numbers, state_names_of
+from driftproof.blackbox.stepper.states.plain_forms import plain_forms
+from driftproof.blackbox.stepper.states.records import record_forms
+from driftproof.blackbox.stepper.states.state_forms import SYSTEMS, forms_of
 from driftproof.blackbox.stepper.trial_steps import (
     LONGER,
     NEAR,
@@ -47,6 +44,9 @@ from driftproof.blackbox.stepper.trial_steps import (
     one_step,
     tried,
 )
+from driftproof.blackbox.stepper.wrappers import wrappers
+from driftproof.blackbox.stepper.wrappers.made_wrappers import scope_of
+from driftproof.blackbox.stepper.wrappers.named_forms import named_forms
 from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.

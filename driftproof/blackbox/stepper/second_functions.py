@@ -11,8 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import LISTS, SCALARS, AnyNumber, Foreign, Parted, as_array
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import LISTS, SCALARS, AnyNumber, Foreign, Parted, as_array
 
 # A function of t and y that returns slopes, or the rows of a matrix.
 SecondFunction: TypeAlias = Callable[[AnyNumber, Sequence[AnyNumber]], Sequence[Any]]

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NothingReturned, WrongShape
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, Foreign, as_array
 from driftproof.blackbox.stepper.calling_conventions import (
     ANGULAR,
     FUNCTION,
@@ -28,8 +27,9 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.forms_by_values import state_names_of
 from driftproof.blackbox.stepper.handed_slopes import with_own_slope
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, Foreign, as_array
+from driftproof.blackbox.stepper.states.forms_by_values import state_names_of
 from driftproof.blackbox.stepper.trial_steps import format_of_answers
 
 AS_PARTS = "verify --system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python system=f, domain=Domain(start='...')"

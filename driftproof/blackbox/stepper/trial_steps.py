@@ -21,17 +21,17 @@ from driftproof.blackbox.findings import (
     WrongAnswer,
     WrongShape,
 )
-from driftproof.blackbox.stepper import array_adapters as adapters
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.kept_state_wrappers import kept_wrapper
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
-from driftproof.blackbox.stepper.named_answers import goes_on
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
-from driftproof.blackbox.stepper.state_forms import COMPLEX, SYSTEMS
+from driftproof.blackbox.stepper.states import array_adapters as adapters
+from driftproof.blackbox.stepper.states.named_answers import goes_on
+from driftproof.blackbox.stepper.states.state_forms import COMPLEX, SYSTEMS
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import call_wrapper, increment_wrapper
+from driftproof.blackbox.stepper.wrappers.kept_state_wrappers import kept_wrapper
+from driftproof.blackbox.stepper.wrappers.made_wrappers import clock_wrapper
+from driftproof.blackbox.stepper.wrappers.wrappers import call_wrapper, increment_wrapper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.

@@ -10,8 +10,8 @@ import numpy as np
 
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.stepper import calling_conventions as calling
-from driftproof.blackbox.stepper.array_adapters import Foreign, as_array
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.states.array_adapters import Foreign, as_array
 
 
 @dataclass(frozen=True)

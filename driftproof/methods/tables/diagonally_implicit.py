@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
-from driftproof.methods.number_field import NumberField, square_root
+from driftproof.methods.numbers.number_field import NumberField, square_root
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.tables.notation import numbers, padded, tableaux
 

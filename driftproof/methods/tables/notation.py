@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.expressions import parse_number
-from driftproof.methods.number_field import Exact
+from driftproof.methods.formulas.expressions import parse_number
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta, Splitting
 
 

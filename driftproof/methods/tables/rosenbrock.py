@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction as Q
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.tables.notation import heading, numbers, padded, row, square
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction as Q
 from itertools import pairwise
 
-from driftproof.methods.number_field import Exact, NumberField, cube_root, square_root
+from driftproof.methods.numbers.number_field import Exact, NumberField, cube_root, square_root
 from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.tables.notation import numbers, splitting
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.numeric.problems.problem import CERTIFIED, ENCLOSED, EXACT, Problem, reference
 
 STIFF = {

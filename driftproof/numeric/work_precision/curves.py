@@ -15,9 +15,9 @@ from driftproof.methods.catalogue import Entry
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.numeric.advance import error_summary, field_rate
-from driftproof.numeric.multistep import start_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import ENDS, STATE, Size, branch_remark, doubt, errors, largest_state_size
+from driftproof.numeric.steps.multistep import start_of
 from driftproof.numeric.work_precision.integrators import COMPILED_FROM, Integrator, has_numba, integrator
 
 # The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.

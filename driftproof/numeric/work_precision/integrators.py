@@ -14,10 +14,10 @@ import numpy as np
 
 from driftproof.methods.catalogue import Entry, FurtherMethod
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, float_step
-from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
-from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
+from driftproof.numeric.steps.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
+from driftproof.numeric.steps.implicit import compiled_implicit_ensemble_runner
 
 # What is timed: one trajectory, compiled or in plain Python, and a state of an ensemble of MEMBERS.
 COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from driftproof.methods.catalogue import Entry
+from driftproof.methods.formulas.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.advance import Rate, State, field_rate, float_start
-from driftproof.numeric.controlled import controlled_runner
-from driftproof.numeric.engine import functions_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Way
+from driftproof.numeric.steps.controlled import controlled_runner
+from driftproof.numeric.steps.engine import functions_of
 from driftproof.numeric.work_precision.integrators import COMPILED, MOST_LOOKS, PYTHON
 from driftproof.support.environment import how_to_install, installed
 from driftproof.support.plain_text import unknown

@@ -9,8 +9,8 @@ from typing import TypeAlias, TypeVar
 
 from flint import arb, ctx, fmpz
 
-from driftproof.methods.flint_rationals import as_fmpq, ends_of
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.numbers.flint_rationals import as_fmpq, ends_of
+from driftproof.methods.numbers.number_field import Algebraic
 from driftproof.support.plain_text import unknown
 
 # A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around

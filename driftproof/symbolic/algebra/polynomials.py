@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 
 from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fraction
-from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
+from driftproof.methods.numbers.flint_rationals import as_fraction
+from driftproof.methods.numbers.number_field import Algebraic, Exact, ScalarExtension
 
 # fmpq_poly over Q, FieldPolynomial over a number field; FLINT has no static types.
 Polynomial: TypeAlias = Any

@@ -7,8 +7,8 @@ from math import gcd
 
 from flint import arb, fmpz
 
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.symbolic.algebra.certified import settled, sign_of_ball, significant
 from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot

@@ -9,8 +9,8 @@ from typing import TypeAlias
 
 from flint import fmpq, fmpz
 
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,

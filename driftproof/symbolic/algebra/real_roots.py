@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fmpq, dyadic
-from driftproof.methods.number_field import Algebraic, Exact, NumberField, real_root_balls
+from driftproof.methods.numbers.flint_rationals import as_fmpq, dyadic
+from driftproof.methods.numbers.number_field import Algebraic, Exact, NumberField, real_root_balls
 from driftproof.symbolic.algebra.certified import (
     ISOLATING_BITS,
     decide_by_enclosure,
@@ -203,7 +203,7 @@ def irreducible_factors_of(p: Polynomial) -> list[tuple[Minimal, int]]:
 def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:
     """The root as exact data of `methods`; `name` is that of the generator of its field.
 
-    Raises `driftproof.methods.number_field.UndecidedError` for a degree above 12.
+    Raises `driftproof.methods.numbers.number_field.UndecidedError` for a degree above 12.
     """
     if root.rational is not None:
         return root.rational

@@ -11,7 +11,7 @@ from typing import Any
 import sympy
 from flint import arb, ctx, fmpq
 
-from driftproof.methods.number_field import real_root_balls
+from driftproof.methods.numbers.number_field import real_root_balls
 from driftproof.symbolic.algebra.certified import CertifiableReal
 
 

@@ -13,8 +13,8 @@ from sympy import QQ, ring
 from sympy.polys.fields import FracElement
 from sympy.polys.matrices import DomainMatrix
 
+from driftproof.methods.programs.stepping import Force, Step, oscillator, stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import Force, Step, oscillator, stepper
 
 # An element of Q[h], and one of Q[h] or of Q(h). SymPy's rings have no static types.
 StepPolynomial: TypeAlias = Any

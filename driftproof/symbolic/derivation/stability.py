@@ -12,7 +12,7 @@ from flint import arb_poly, ctx, fmpq, fmpq_poly
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.methods.number_field import real_root_balls
+from driftproof.methods.numbers.number_field import real_root_balls
 from driftproof.symbolic.algebra.certified import ISOLATING_BITS, certified_sign, endpoints
 from driftproof.symbolic.derivation.expression_balls import enclose_expression, integer_coefficients
 from driftproof.symbolic.derivation.one_step import (

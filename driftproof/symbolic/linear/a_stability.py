@@ -9,7 +9,7 @@ from itertools import zip_longest
 
 from flint import arb, fmpq
 
-from driftproof.methods.flint_rationals import as_fraction
+from driftproof.methods.numbers.flint_rationals import as_fraction
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.polynomials import (

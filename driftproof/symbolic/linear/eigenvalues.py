@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
-from driftproof.methods.flint_rationals import dyadic
+from driftproof.methods.numbers.flint_rationals import dyadic
 from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, every_real_root, irreducible_factors_of
 

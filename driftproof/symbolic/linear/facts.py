@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.support.plain_text import unknown
 from driftproof.symbolic.algebra.matrices import StepMatrix

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 from flint import fmpq
 
 from driftproof.methods.families import Family, ParameterFunction
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.algebra.bivariate import (
     Bivariate,
     even_and_odd_part,
@@ -144,7 +144,7 @@ class Line:
     def values(self) -> Iterator[Exact | None]:
         """Yield a rational number of each open cell and each point itself, ascending; None for a pole.
 
-        Raises `methods.number_field.UndecidedError` at a point of degree above 12, for which no number field is built.
+        Raises `methods.numbers.number_field.UndecidedError` at a point of degree above 12, for which no number field is built.
         """
         for k, inner in enumerate(_samples(self.points)):
             yield exact(inner)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier, matrix_product
 from driftproof.symbolic.algebra.polynomials import (

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from flint import arb
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction
 from driftproof.symbolic.algebra.polynomials import (
     Polynomial,
     X,

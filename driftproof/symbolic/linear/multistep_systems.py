@@ -13,8 +13,8 @@ from functools import cached_property, reduce
 
 from flint import acb, acb_poly, arb, ctx, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fmpq
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.numbers.flint_rationals import as_fmpq
 from driftproof.symbolic.algebra.certified import CertifiableReal, EnclosedReal, Uncertified, is_less
 from driftproof.symbolic.algebra.polynomials import Polynomial, polynomial
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, root_ratio

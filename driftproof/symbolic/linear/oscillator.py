@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from driftproof.methods.given_methods import method_of
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta
-from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.algebra.matrices import StepMatrix, of_matrix
 from driftproof.symbolic.algebra.polynomials import (
     ONE,

@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import chain
 from math import isqrt
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.number_field import square_root as number_root
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.numbers.number_field import square_root as number_root
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, exact, reflected, scalar
 from driftproof.symbolic.algebra.radicals import perfect_part

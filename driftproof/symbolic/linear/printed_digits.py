@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_poly, ctx, fmpq_poly, fmpz
 
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.certified import AWAY, HALF_EVEN, endpoints, scientific, significant
 from driftproof.symbolic.algebra.polynomials import reflected

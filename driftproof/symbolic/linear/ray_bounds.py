@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.algebra.certified import Uncertified, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
     ONE,

@@ -7,7 +7,7 @@ from functools import lru_cache
 from itertools import combinations_with_replacement, groupby
 from typing import NamedTuple, TypeAlias
 
-from driftproof.methods.number_field import Exact, total
+from driftproof.methods.numbers.number_field import Exact, total
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.polynomials import ONE, X, polynomial
 

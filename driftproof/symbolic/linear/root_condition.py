@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fraction
+from driftproof.methods.numbers.flint_rationals import as_fraction
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
 from driftproof.symbolic.algebra.polynomials import (
     ONE,

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from driftproof.methods.number_field import NumberField
+from driftproof.methods.numbers.number_field import NumberField
 from driftproof.methods.schemes import Collocation, RungeKutta, is_strictly_lower
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import (

@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 from flint import fmpq
 
 from driftproof.methods.families import ParameterFunction
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.numbers.number_field import Algebraic
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import (

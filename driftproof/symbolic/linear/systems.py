@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from flint import acb, arb, fmpq, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import (
     CertifiableReal,

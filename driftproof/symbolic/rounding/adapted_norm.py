@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above
 
 # Rational upper bounds of square roots are good to about this many bits.

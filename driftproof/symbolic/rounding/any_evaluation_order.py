@@ -22,9 +22,9 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from flint import arb, arb_poly, ctx
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.schemes import Method
-from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.formats import FloatFormat, power_of_two
 from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above

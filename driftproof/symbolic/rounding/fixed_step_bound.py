@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from driftproof.methods.number_field import Exact
-from driftproof.methods.stepping import Force, oscillator
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import Force, oscillator
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded
 from driftproof.symbolic.rounding.polynomials import ETA, ONE, ZERO, D, ErrorPolynomial, majorant, near_rational, terms

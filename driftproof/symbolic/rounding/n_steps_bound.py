@@ -18,7 +18,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb, ctx
 
-from driftproof.methods.stepping import Force, oscillator
+from driftproof.methods.programs.stepping import Force, oscillator
 from driftproof.symbolic.algebra.certified import enclose, endpoints, scientific, settled
 from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound

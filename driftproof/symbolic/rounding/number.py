@@ -18,8 +18,8 @@ from itertools import product
 from numbers import Rational, Real
 from typing import Any, NoReturn
 
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, is_power_of_two
 from driftproof.symbolic.rounding.polynomials import (

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 
 from flint import fmpq_mpoly, fmpq_mpoly_ctx
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction
-from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction
+from driftproof.methods.numbers.number_field import Algebraic, Exact, ScalarExtension
 from driftproof.symbolic.rounding.formats import exponent, power_of_two
 
 # An element of BOUNDS, or an OverField. FLINT has no static types.

@@ -14,9 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
+from driftproof.methods.programs.stepping import Force, Lift, Step, oscillator, stepper
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.methods.stepping import Force, Lift, Step, oscillator, stepper
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from flint import fmpq_poly
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,

@@ -9,8 +9,8 @@ from typing import Any, Protocol, Self, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fmpq, as_fraction
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.numbers.flint_rationals import as_fmpq, as_fraction
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
 

@@ -8,7 +8,7 @@ from math import factorial
 
 from flint import fmpq
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
     ElementaryWeights,

@@ -11,8 +11,8 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.flint_rationals import as_fraction
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.flint_rationals import as_fraction
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.algebra.polynomials import dot
 from driftproof.symbolic.trees.elementary_weights import (

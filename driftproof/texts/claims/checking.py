@@ -13,14 +13,14 @@ from fractions import Fraction
 from itertools import islice, product
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.contradictions import names_another_axis
-from driftproof.texts.claims.method_names import lowered
 from driftproof.texts.claims.phrases import NUMBER_ENDS, Spellings, decimal_spellings, spelled_alike
-from driftproof.texts.claims.places import place_of
-from driftproof.texts.claims.tables import tables_of
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
+from driftproof.texts.words.contradictions import names_another_axis
+from driftproof.texts.words.method_names import lowered
+from driftproof.texts.words.places import place_of
+from driftproof.texts.words.tables import tables_of
 
 # How a number is accounted for: computed here, given, printed by a listing that was run, part of a name, not at all.
 WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")

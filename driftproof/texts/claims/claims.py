@@ -15,11 +15,11 @@ from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.support import toml_tables as toml
 from driftproof.support.toml_tables import TomlTable
 from driftproof.texts.claims.phrases import LONGEST_PHRASE, MOST_DECIMALS, SPELLED, NumberForm, Phrase
-from driftproof.texts.claims.tables import ANYWHERE, Address
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES
 from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
 from driftproof.texts.readers.numbers import numbers_in
+from driftproof.texts.words.tables import ANYWHERE, Address
 
 # Limits on a claims file; 5000 claims are read in about a second.
 _LARGEST_FILE = 2**20

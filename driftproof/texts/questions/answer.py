@@ -7,7 +7,7 @@ from fractions import Fraction
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.numbers.number_field import Algebraic
 from driftproof.support.plain_text import DIGITS_UNASKED, as_json
 from driftproof.support.results import Printable
 from driftproof.texts.questions.decimals import FIXED, HALF_EVEN, PLAIN, SIGNIFICANT, Style, Tie, rounded

@@ -10,8 +10,8 @@ from typing import Any
 
 from flint import arb
 
-from driftproof.methods.expression_tree import LARGEST_POWER
-from driftproof.methods.number_field import Algebraic, cube_root, square_root
+from driftproof.methods.formulas.expression_tree import LARGEST_POWER
+from driftproof.methods.numbers.number_field import Algebraic, cube_root, square_root
 from driftproof.symbolic.algebra.certified import LARGEST_BINARY_EXPONENT, CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.radicals import perfect_part
 from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE_KINDS, Answer

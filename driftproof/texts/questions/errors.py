@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from driftproof.methods.expression_tree import ExpressionError
+from driftproof.methods.formulas.expression_tree import ExpressionError
 
 # Chosen: questions of the documentation take less than one second, and foreseeably long ones are refused earlier.
 QUESTION_SECONDS = 60

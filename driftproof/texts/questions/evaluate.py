@@ -11,7 +11,14 @@ from functools import cache, lru_cache
 from math import isqrt
 from typing import TYPE_CHECKING
 
-from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
+from driftproof.methods.formulas.expression_tree import (
+    CallNode,
+    ChainNode,
+    NameNode,
+    NegatedNode,
+    NumberNode,
+    PowerNode,
+)
 from driftproof.methods.schemes import MethodError
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
@@ -22,8 +29,8 @@ from driftproof.texts.questions.query_context import QueryContext
 from driftproof.texts.questions.wording import COEFFICIENT, LARGEST_STEP, names_that_ask
 
 if TYPE_CHECKING:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
     from driftproof.enclosure.problem_tables import ProblemTable
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.methods.schemes import Method
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
@@ -157,7 +164,7 @@ def _whole_number(context: QueryContext) -> int:
 
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.texts.questions.runs import UNITS, in_unit, run_of, run_readouts
 
     readout, unit = context.query.readout, context.query.unit
@@ -214,7 +221,7 @@ def _problem(context: QueryContext) -> ProblemTable:
 def _stated(rates: tuple[str, ...], energy: str | None, unknowns: tuple[str, ...]) -> ProblemTable:
     """The problem of rates that are written out; hundreds of questions of a text are about the same."""
     from driftproof.enclosure.problem_tables import ProblemTable
-    from driftproof.methods.field_text import field_of_text
+    from driftproof.methods.formulas.field_text import field_of_text
 
     names = {name: f"y{i}" for i, name in enumerate(unknowns)}
     field = field_of_text(dict(zip(unknowns, rates, strict=True)) if unknowns else rates)
@@ -252,8 +259,8 @@ def _exact(context: QueryContext) -> Answer:
 
 def limit_of_rates(rates: Mapping[str, str]) -> tuple[str, str] | None:
     """The limit and the size of y' = -size y or x'' = -size² x, None for other rates."""
-    from driftproof.methods.field_text import rate_of_text
-    from driftproof.methods.vector_fields import partial_derivative
+    from driftproof.methods.formulas.field_text import rate_of_text
+    from driftproof.methods.formulas.vector_fields import partial_derivative
 
     slopes = dict[tuple[str, str], Fraction]()
     with suppress(ValueError, LookupError, ZeroDivisionError):

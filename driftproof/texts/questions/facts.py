@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.catalogue import FurtherMethod
-from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Algebraic, Exact
+from driftproof.methods.formulas.expressions import parse_number
+from driftproof.methods.numbers.number_field import Algebraic, Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, evaluate, exact, polynomial, scalar
 from driftproof.symbolic.algebra.radicals import radical_form

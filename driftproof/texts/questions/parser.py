@@ -1,6 +1,6 @@
 """Parse questions into trees of arithmetic on numbers, published values and queries, without evaluating anything.
 
-The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query:
+The grammar is that of `driftproof.methods.formulas.expression_tree`, in which a name may also begin a query:
 
 query   = head part* [":" readout [unit]]
 part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | equation
@@ -9,7 +9,7 @@ entry   = literal | expression with pi or sqrt
 rates   = "(" sum ("," sum)* ")"
 equation = name "'" "=" sum | name "(" "0" ")" "=" entry
 literal = ["-" | "+"] number ["/" number]
-value   = literal | "(" expression of driftproof.methods.expressions ")"
+value   = literal | "(" expression of driftproof.methods.formulas.expressions ")"
 
 Heads and subjects may have several words, as in "stability function of forward Euler"; a comma may precede an equation
 or a setting, and words such as "with" may stand between any parts; "error of rk4 ..." means "run rk4 ... : error".
@@ -26,7 +26,16 @@ from itertools import pairwise, takewhile
 from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import METHODS, keys_of_name
-from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
+from driftproof.methods.formulas.expression_tree import (
+    END,
+    NAME,
+    NUMBER,
+    CallNode,
+    ExpressionNode,
+    NameNode,
+    NumberNode,
+    Token,
+)
 from driftproof.methods.schemes import Splitting
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
@@ -51,8 +60,8 @@ LARGEST_POWER_ASKED = 10**6
 class Query:
     """The query HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; absent parts are None.
 
-    `at` is the value of a family's parameter as text, for `driftproof.methods.expressions`; `rates` are the components
-    of y' as text, for `driftproof.methods.field_text`, and `energy` likewise; `unknowns` are their names if y' = ...
+    `at` is the value of a family's parameter as text, for `driftproof.methods.formulas.expressions`; `rates` are the components
+    of y' as text, for `driftproof.methods.formulas.field_text`, and `energy` likewise; `unknowns` are their names if y' = ...
     gives them, else empty, for y0, y1, ...
     """
 

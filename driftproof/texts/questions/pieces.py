@@ -10,8 +10,8 @@ from typing import Any
 from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS, keys_of_name
-from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
-from driftproof.methods.field_text import LEAD, of_first_order
+from driftproof.methods.formulas.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
+from driftproof.methods.formulas.field_text import LEAD, of_first_order
 from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError

@@ -12,20 +12,20 @@ from typing import Any
 
 from flint import arb, ctx
 
-from driftproof.enclosure.evaluations import Evaluation, Refused
-from driftproof.enclosure.exact_runs import exact_step
-from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_values
-from driftproof.enclosure.implicit_runs import implicit_step
-from driftproof.enclosure.multistep_runs import StartedMultistep
-from driftproof.enclosure.numbers import Enclosed
+from driftproof.enclosure.arithmetic.evaluations import Evaluation, Refused
+from driftproof.enclosure.arithmetic.numbers import Enclosed
+from driftproof.enclosure.fields.fields import RightHandSide, enclosable, enclosed_values
+from driftproof.enclosure.fields.text_fields import field_function, linear_part
 from driftproof.enclosure.problem_tables import ProblemTable, problem_table, with_parameters
-from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
-from driftproof.enclosure.text_fields import field_function, linear_part
+from driftproof.enclosure.runs.exact_runs import exact_step
+from driftproof.enclosure.runs.implicit_runs import implicit_step
+from driftproof.enclosure.runs.multistep_runs import StartedMultistep
+from driftproof.enclosure.solution.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import LONGEST_PROBLEM
-from driftproof.methods.flint_rationals import as_fmpq
+from driftproof.methods.formulas.field_text import LONGEST_PROBLEM
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.numbers.flint_rationals import as_fmpq
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.methods.vector_fields import VectorField
 from driftproof.support.files import file_named
 from driftproof.support.plain_text import counted
 from driftproof.support.toml_tables import read_toml

@@ -7,13 +7,13 @@ from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeVar
 
-from driftproof.methods.expression_tree import Token
+from driftproof.methods.formulas.expression_tree import Token
 from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Query, parse_question
 
 if TYPE_CHECKING:
-    from driftproof.enclosure.multistep_runs import StartedMultistep
+    from driftproof.enclosure.runs.multistep_runs import StartedMultistep
     from driftproof.methods.catalogue import FurtherMethod
     from driftproof.methods.families import Family
     from driftproof.methods.schemes import Method
@@ -82,7 +82,7 @@ class QueryContext:
 
     def method_of_run(self) -> Method | StartedMultistep:
         """The method that a run names, with what it is started with if it is a multistep one. Raises QuestionError."""
-        from driftproof.enclosure.multistep_runs import StartedMultistep
+        from driftproof.enclosure.runs.multistep_runs import StartedMultistep
         from driftproof.methods.given_methods import method_of
         from driftproof.methods.multistep import Multistep
 
@@ -101,8 +101,8 @@ class QueryContext:
 
     def subject(self) -> Method | Family | FurtherMethod:
         """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
-        from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import Family
+        from driftproof.methods.formulas.expressions import parse_number
         from driftproof.methods.given_methods import subject_of
 
         token, at = self.query.subject, self.query.at

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 
-from driftproof.methods.expression_tree import NAME, Token
+from driftproof.methods.formulas.expression_tree import NAME, Token
 
 # Names of the error of one step: as the head of a question they mean a step, other errors a run.
 LOCAL = ("local_error", "local_truncation_error", "one_step_error")

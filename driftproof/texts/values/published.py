@@ -71,7 +71,7 @@ def _as_tex(values: PublishedValues) -> str:
 
 def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:
     """The number rounded to 1, 2, ... digits. Raises ValueError if the certified decimal does not decide them all."""
-    from driftproof.methods.rationals import parse_rational
+    from driftproof.methods.numbers.rationals import parse_rational
     from driftproof.symbolic.algebra.certified import HALF_AWAY, significant
 
     try:

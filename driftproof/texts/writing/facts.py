@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import groupby
 from typing import Any
 
-from driftproof.methods.number_field import Algebraic, NumberField
+from driftproof.methods.numbers.number_field import Algebraic, NumberField
 from driftproof.support.plain_text import table
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.polynomials import coefficients, polynomial

@@ -8,8 +8,8 @@ from typing import Any
 
 from driftproof.methods.catalogue import FurtherMethod
 from driftproof.methods.families import Family
-from driftproof.methods.flint_rationals import as_fraction
-from driftproof.methods.number_field import Algebraic, NumberField
+from driftproof.methods.numbers.flint_rationals import as_fraction
+from driftproof.methods.numbers.number_field import Algebraic, NumberField
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra import radicals

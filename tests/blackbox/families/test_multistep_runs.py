@@ -11,7 +11,7 @@ from driftproof.blackbox.families.reports import GOES_ON
 from driftproof.blackbox.findings import StepRaised, UnsupportedCall, WrongShape
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from driftproof.blackbox.verify import verify
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Remembering, Stormer

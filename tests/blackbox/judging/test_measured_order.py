@@ -11,8 +11,8 @@ from driftproof.blackbox.judging.nonlinear_problems import START
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import TOLD
 from tests.blackbox.transcripts import Asked, shortened

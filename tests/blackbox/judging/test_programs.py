@@ -5,7 +5,7 @@ import pytest
 
 from driftproof.blackbox.judging.programs import StepSeen, edits, one_parameter, programs_of
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from tests.looping import some
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]

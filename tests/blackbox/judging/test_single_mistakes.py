@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from driftproof import Allowance, stepper_of, verify
-from driftproof.blackbox.judging.given_steps import GivenSteps
 from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, mistakes_on, single_mistakes
 from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.systems.given_steps import GivenSteps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes

@@ -13,7 +13,7 @@ from driftproof.blackbox.judging.specification import Allowance, Domain, Specifi
 from driftproof.blackbox.judging.tolerance import _BITS, Tolerance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.runs import exact_matrix_at

@@ -10,7 +10,7 @@ from driftproof.blackbox.judging.specification import Allowance, Domain, Specifi
 from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, there_and_back, walked
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import stepper
+from driftproof.methods.programs.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.judging.test_nonlinear_step import SOLVED, iterated
 from tests.blackbox.transcripts import Asked

@@ -11,8 +11,8 @@ import numpy as np
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import exact_matrix_at

@@ -14,8 +14,8 @@ from driftproof.blackbox.matching.linear_candidates import Error, LinearCandidat
 from driftproof.blackbox.probes.linear_steps import LINEAR, LinearReading, read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Collocation
-from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed

@@ -41,7 +41,7 @@ def test_each_method_is_named_up_to_those_with_the_same_matrix(key, as_before):
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["velocity_verlet", "rk4", "nystrom5"])
 def test_methods_in_binary32_are_named_whether_or_not_the_answers_say_so(key):
-    from driftproof.methods.stepping import stepper
+    from driftproof.methods.programs.stepping import stepper
 
     single = stepper(METHODS[key], np.float32)
 

@@ -12,7 +12,7 @@ from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.match import Identity, Match, match_method
 from driftproof.blackbox.probes.tableau import StageSolution
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import stepper
+from driftproof.methods.programs.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TOLD, in_field, on_force, read_with, ties_of
 from tests.blackbox.transcripts import Asked

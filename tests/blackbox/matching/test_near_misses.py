@@ -18,8 +18,8 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Nystrom
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox import handwritten_steppers as codes

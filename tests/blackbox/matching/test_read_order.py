@@ -11,8 +11,8 @@ from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from driftproof.symbolic.trees.partitioned_trees import nystrom_order

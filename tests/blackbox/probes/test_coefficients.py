@@ -18,7 +18,7 @@ from driftproof.blackbox.probes.coefficients import (
     simple_rational,
     simplest_in,
 )
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 FRACTIONS = st.fractions(min_value=-50, max_value=50, max_denominator=400)

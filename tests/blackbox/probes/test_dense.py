@@ -8,8 +8,8 @@ import pytest
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.dense import THETAS, read_dense
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.stepper.objects import field_stepper_of
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.states.objects import field_stepper_of
 from driftproof.methods.catalogue import EXTENSIONS
 from tests.blackbox.extension_steppers import extension_step
 from tests.blackbox.handwritten_steppers import rk4

@@ -12,8 +12,8 @@ from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.estimate import ABSOLUTE, DIFFERENCE, NORM, SOLUTION, read_estimate
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import read_tableau
-from driftproof.blackbox.stepper.objects import field_stepper_of
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.states.objects import field_stepper_of
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.pair_steppers import pair_step
 from tests.blackbox.transcripts import Asked

@@ -11,7 +11,7 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.controller import bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
-from driftproof.blackbox.stepper.array_adapters import ARRAYS
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed, of_scipy
 from tests.blackbox.transcripts import Asked
 from tests.looping import some

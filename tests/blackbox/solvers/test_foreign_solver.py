@@ -16,7 +16,7 @@ from driftproof.blackbox.solvers.foreign_solver import (
     TooSlow,
     taken_by,
 )
-from driftproof.blackbox.stepper.array_adapters import ARRAYS
+from driftproof.blackbox.stepper.states.array_adapters import ARRAYS
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.looping import exactly

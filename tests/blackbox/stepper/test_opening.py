@@ -11,7 +11,7 @@ import pytest
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import Target, imported, opened
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers.wrappers import wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY32
 from tests.blackbox.stepper.euler_steps import Tensor
 from tests.blackbox.stepper.odd_steppers import ODD

@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import MethodError, RungeKutta, Splitting
 from driftproof.methods.tables.notation import numbers, padded, row, splitting, square, tableaux
 

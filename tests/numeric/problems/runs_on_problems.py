@@ -7,8 +7,8 @@ from fractions import Fraction as Q
 from itertools import pairwise
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.formulas.vector_fields import VectorField
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import State, advance, float_start, float_step
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import EXACT, Problem, Reference

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from flint import arb, arb_series, ctx
 
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import Problem
 from tests.looping import exactly, some

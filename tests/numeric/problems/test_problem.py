@@ -12,8 +12,8 @@ from functools import cache
 import pytest
 from flint import arb, ctx
 
-from driftproof.enclosure.solutions import enclose_solution
-from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.fields.text_fields import field_function
+from driftproof.enclosure.solution.solutions import enclose_solution
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Problem, reference
 from driftproof.numeric.reference_errors import decimal_energy

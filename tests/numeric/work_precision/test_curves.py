@@ -9,7 +9,7 @@ from math import inf
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.field_text import field_of_text
+from driftproof.methods.formulas.field_text import field_of_text
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC

@@ -8,13 +8,13 @@ from math import pi, sin
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.explicit_steps import field_source
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.formulas.vector_fields import VectorField
+from driftproof.methods.programs.explicit_steps import field_source
 from driftproof.numeric.advance import advance, field_rate
-from driftproof.numeric.engine import program_function
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.reference_errors import errors
+from driftproof.numeric.steps.engine import program_function
 from driftproof.numeric.work_precision import integrators
 from driftproof.numeric.work_precision.curves import curve_of
 from driftproof.numeric.work_precision.integrators import COMPILED, KINDS, PYTHON, integrator

@@ -10,8 +10,8 @@ import pytest
 import sympy
 from scipy.integrate import solve_ivp
 
-from driftproof.methods.field_text import field_of_text
-from driftproof.methods.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
+from driftproof.methods.formulas.field_text import field_of_text
+from driftproof.methods.formulas.vector_fields import FUNCTIONS, SMOOTH_FUNCTIONS, VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision import peers

@@ -10,7 +10,7 @@ from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import Algebraic, square_root
+from driftproof.methods.numbers.number_field import Algebraic, square_root
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.radicals import radical_form
 from driftproof.symbolic.algebra.real_roots import every_real_root, root_as_number, root_of, root_ratio

@@ -8,7 +8,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier, matrix_determinant, matrix_product, of_matrix
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction

@@ -10,7 +10,7 @@ from flint import arb, ctx, fmpq, fmpq_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import Algebraic, NumberField, cube_root, square_root
+from driftproof.methods.numbers.number_field import Algebraic, NumberField, cube_root, square_root
 from driftproof.symbolic.algebra.polynomials import (
     FieldPolynomial,
     at_ball,

@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import pytest
 import sympy
 
-from driftproof.methods.number_field import NumberField
+from driftproof.methods.numbers.number_field import NumberField
 from driftproof.symbolic.algebra.radicals import (
     integer_polynomial_text,
     is_readable,

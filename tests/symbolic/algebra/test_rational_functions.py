@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import pytest
 from flint import fmpq, fmpq_poly
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, polynomial
 from driftproof.symbolic.algebra.rational_functions import (
     exponential_series,

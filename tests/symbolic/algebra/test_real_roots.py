@@ -10,7 +10,7 @@ from flint import ctx, fmpq, fmpq_poly
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.algebra.polynomials import polynomial, reflected, scalar, sign_changes
 from driftproof.symbolic.algebra.real_roots import (
     ZERO_ROOT,

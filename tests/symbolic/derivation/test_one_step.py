@@ -11,7 +11,7 @@ import sympy
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.symbolic.derivation.one_step import (
     RING,
     H,

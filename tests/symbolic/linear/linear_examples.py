@@ -11,8 +11,8 @@ from typing import Any
 from flint import acb, acb_poly, arb, fmpq_poly
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.expressions import parse_system
-from driftproof.methods.number_field import cube_root, square_root
+from driftproof.methods.formulas.expressions import parse_system
+from driftproof.methods.numbers.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import at_ball, from_scalars, polynomial

@@ -9,7 +9,7 @@ from flint import ctx, fmpq, fmpq_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.polynomials import (
     evaluate,

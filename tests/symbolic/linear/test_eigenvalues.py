@@ -8,7 +8,7 @@ import pytest
 import sympy
 from flint import acb_poly, arb, ctx
 
-from driftproof.methods.expressions import parse_system
+from driftproof.methods.formulas.expressions import parse_system
 from driftproof.symbolic.algebra.real_roots import RealRoot
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary, eigenvalues, root_places
 from driftproof.texts.writing.records import record

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.numbers.number_field import Algebraic
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.a_stability import Angle

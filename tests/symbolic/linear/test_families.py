@@ -9,7 +9,7 @@ from flint import fmpq_poly
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.families import FAMILIES, Family
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.algebra.bivariate import at_parameter
 from driftproof.symbolic.algebra.polynomials import exact, scalar

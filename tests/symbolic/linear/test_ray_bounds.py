@@ -10,8 +10,8 @@ from flint import acb_poly, arb, ctx, fmpq, fmpq_poly
 
 import driftproof
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.expressions import parse_system
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.formulas.expressions import parse_system
+from driftproof.methods.numbers.number_field import Algebraic
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import exact

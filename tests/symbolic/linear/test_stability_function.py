@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 import pytest
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import matrix_determinant
 from driftproof.symbolic.algebra.polynomials import FieldPolynomial, exact, scalar

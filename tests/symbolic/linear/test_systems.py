@@ -11,9 +11,9 @@ from flint import acb_mat, arb, ctx, fmpq
 
 import driftproof
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.expressions import System, parse_system
+from driftproof.methods.formulas.expressions import System, parse_system
+from driftproof.methods.programs.stepping import stepper
 from driftproof.methods.schemes import Method, Splitting
-from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose, endpoints, significant
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root

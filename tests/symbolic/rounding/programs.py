@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 from flint import ctx
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.step_bound import StepBound, in_format

@@ -10,7 +10,7 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, rk4
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.linear.oscillator import oscillator_matrix

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.methods.schemes import Splitting
-from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import enclose, endpoints, is_less
 from driftproof.symbolic.error_budget import ErrorOfRun

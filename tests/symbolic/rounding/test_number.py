@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.flint_rationals import as_fmpq
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.flint_rationals import as_fmpq
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.numeric.steppers import symplectic_euler
 from driftproof.symbolic.rounding import number
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat

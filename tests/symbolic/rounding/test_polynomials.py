@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import Algebraic, cube_root, square_root
+from driftproof.methods.numbers.number_field import Algebraic, cube_root, square_root
 from driftproof.symbolic.rounding.polynomials import (
     GUARD_BITS,
     ONE,

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.programs.stepping import oscillator, stepper
 from driftproof.numeric.steppers import forward_euler, rk4
 from driftproof.symbolic.rounding.formats import BINARY32
 from driftproof.symbolic.rounding.step_bound import step_bound

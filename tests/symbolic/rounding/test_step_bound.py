@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.programs.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose
 from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT

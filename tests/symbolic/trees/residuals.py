@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.symbolic.trees.order_conditions import Conditions, TreeType
 
 

@@ -11,7 +11,7 @@ from flint import fmpq_mat
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.symbolic.trees.algebraic_stability import _Matrix, is_algebraically_stable, is_semidefinite
 from tests.changes import moved
 from tests.methods.tables.entries import entry

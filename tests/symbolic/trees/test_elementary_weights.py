@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.number_field import Exact, square_root
+from driftproof.methods.numbers.number_field import Exact, square_root
 from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.algebra.rational_functions import taylor

@@ -7,7 +7,7 @@ from math import prod
 
 import pytest
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.trees.modified_equation import BSeries, method_series, modified_equation
 from driftproof.symbolic.trees.order_conditions import order

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 
 from driftproof import strategies
-from driftproof.methods.number_field import Exact, square_root
+from driftproof.methods.numbers.number_field import Exact, square_root
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,

@@ -9,7 +9,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
-from driftproof.methods.number_field import Exact
+from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.rosenbrock import RosenbrockStages, WConditions

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from driftproof.texts.claims.checking import LABEL, UNCOVERED, WORKED_OUT, check_claim, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.readers.document import document_of
-from tests.texts.claims.sample import CLAIMS, TEXT, claim, stands
+from tests.texts.sample import CLAIMS, TEXT, claim, stands
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.phrases import NumberForm, Phrase, decimal_spellings, digits_of, form_of, slips, spelled
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import numbers_in
-from tests.texts.claims.sample import claim, stands
+from tests.texts.sample import claim, stands
 
 # phrase, value, a text that says it, texts that do not
 STANDS = [

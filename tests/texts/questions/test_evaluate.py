@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from docs.language_tables import questions_of
-from driftproof.methods.expression_tree import ExpressionParser
+from driftproof.methods.formulas.expression_tree import ExpressionParser
 from driftproof.texts.questions import evaluate
 from driftproof.texts.questions.decimals import ROUNDING_POLICIES, Style
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError

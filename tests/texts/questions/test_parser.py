@@ -4,7 +4,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.expression_tree import DEEPEST_NESTING, LONGEST_EXPRESSION, ExpressionParser
+from driftproof.methods.formulas.expression_tree import DEEPEST_NESTING, LONGEST_EXPRESSION, ExpressionParser
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import require_refusal

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from driftproof.enclosure.solutions import enclose_solution
+from driftproof.enclosure.solution.solutions import enclose_solution
 from driftproof.texts.questions import problems
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value

@@ -3,7 +3,7 @@
 from fractions import Fraction as Q
 
 from driftproof import METHODS, OscillatorRun
-from driftproof.methods.number_field import square_root
+from driftproof.methods.numbers.number_field import square_root
 from driftproof.texts.writing.answers import answer_text, exact_and_decimal, run_answer, step_answer
 
 START = (Q(1), Q(0))

@@ -5,9 +5,9 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.expressions import parse_system
 from driftproof.methods.families import FAMILIES
-from driftproof.methods.number_field import NumberField, square_root
+from driftproof.methods.formulas.expressions import parse_system
+from driftproof.methods.numbers.number_field import NumberField, square_root
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.facts import Facts

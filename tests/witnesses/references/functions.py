@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from driftproof.methods.program_text import indented, maker, maker_text
-from driftproof.methods.vector_fields import VectorField, partial_derivative
+from driftproof.methods.formulas.vector_fields import VectorField, partial_derivative
+from driftproof.methods.programs.program_text import indented, maker, maker_text
 
 Numbers = Sequence[Any]
 
