@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from math import log2
 from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.checks.determinism import first_call_again
+from driftproof.blackbox.checks.determinism import first_call_again, stale_in
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.criteria import BACK, ELSEWHERE, FIRST_CALL, LATER, ONLY, STATE_FORMS
 from driftproof.blackbox.families.multistep_runs import later_steps
@@ -21,6 +22,7 @@ from driftproof.blackbox.findings import (
     Misbehaviour,
     Outcome,
     Remarked,
+    StaleSlope,
     StepFinding,
     arithmetic_of,
 )
@@ -28,11 +30,11 @@ from driftproof.blackbox.isolation import IsolatedRunner, Probe
 from driftproof.blackbox.judging.single_mistakes import mistakes_on
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects
-from driftproof.blackbox.judging.systems.given_comparisons import back, elsewhere, few, near, of_two
+from driftproof.blackbox.judging.systems.given_comparisons import Limited, back, elsewhere, few, near, of_two
 from driftproof.blackbox.judging.systems.given_slopes import GivenSlopes
 from driftproof.blackbox.judging.systems.given_steps import BEFORE, GivenSteps
 from driftproof.blackbox.judging.systems.held_states import SHORT, held_in
-from driftproof.blackbox.judging.systems.own_steps import OwnSteps
+from driftproof.blackbox.judging.systems.own_steps import SEEN_BENT, OwnSteps
 from driftproof.blackbox.judging.systems.own_system import NotOnOwnSystem, OwnSystem
 from driftproof.blackbox.judging.systems.stage_times import with_stage_times
 from driftproof.blackbox.judging.systems.whole_states import own_time, seen_at
@@ -47,8 +49,8 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.starts import AS_PARTS
 from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS
-from driftproof.blackbox.stepper.states.state_forms import BATCH, SYSTEMS
-from driftproof.methods.catalogue import of_one_state
+from driftproof.blackbox.stepper.states.state_forms import BATCH, BODIES, IN_PLANE, SYSTEMS
+from driftproof.methods.catalogue import METHODS, of_one_state
 from driftproof.methods.schemes import MethodError, Splitting
 from driftproof.support.plain_text import counted
 
@@ -74,10 +76,6 @@ class Unpaired(OwnSystem):
     """It has numbers that are neither positions nor velocities."""
 
 
-class Limited(OwnSystem):
-    """Some states jump, or end at a limit, in every step, however short: these are not what it is for."""
-
-
 class NoClock(OwnSystem):
     """The system given depends on a time that the step does not take."""
 
@@ -89,7 +87,8 @@ _MISSING = {
     Limited.kind: "the states that it is for: --start, in Python Domain(start=...); or the step before its end is set",
     NoClock.kind: "a step that takes the time, such as step(t, y, h)",
     PushedUnusually.kind: "a step that takes its force, step(force, q, v, h), or a step and a system without the drag",
-    Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these",
+    Unpaired.kind: "a wrapper that takes and returns positions and velocities alone, and a system of these; or, if all "
+    f"numbers are such, a step that takes each part by its name: {AS_PARTS}",
     CRASHES: "a step that leaves its process alone",
     **NO_EVIDENCE,
 }
@@ -99,6 +98,10 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
     """Yield the step as it takes all numbers of its system, with states; then of other numbers that it may take."""
     first, given = seen_at(subject, domain), subject.convention.order
     yield first
+    if first[0].adapter is BODIES:  # of a code that knows not how many coordinates a body has
+        yield seen_at(replace(first[0], adapter=IN_PLANE), domain, 2 * len(first[1][0]) // 3)
+    if domain.begins:  # a force of flat arrays may be another one than that of bodies in rows
+        yield from ((replace(subject, function=form), first[1]) for form in subject.function.in_rows())  # type: ignore[attr-defined]
     if domain.begins or hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
         return
     for size in (1, 2, 3, 4, 6) if STATE in given else (2, 4, 6):
@@ -108,6 +111,20 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
         with suppress(Misbehaviour):
             if size != len(first[1][0]) and OwnSteps(*found).end(0.0, found[1][0], SHORT):
                 yield found
+
+
+def _unit(slopes: Mapping[tuple[float, ...], Array], given: GivenSlopes) -> float:
+    """The system's own time or, if it is shorter, the longest in which these slopes move a state by its own size.
+
+    A constant force has no time of its own.
+    """
+    own, moved = own_time([(np.array(y), told) for y, told in slopes.items()], given.at), list[float]()
+    for y, told in slopes.items():
+        if (size := np.abs(y).max()) and (speed := np.abs(told).max()):
+            with suppress(ArithmeticError):
+                changed = np.abs(given.at(y + size / speed * told) - told).max()
+                moved += [size / speed] * bool(changed > SEEN_BENT * speed)
+    return min(own, 2.0 ** round(log2(max(moved)))) if moved else own
 
 
 def _unlike(subject: ForeignStepper, slopes: Mapping[tuple[float, ...], Array], given: GivenSlopes, unit: float) -> str:
@@ -157,7 +174,7 @@ def _held(
             except BadInput as error:
                 refused.append(error)
                 continue
-            unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
+            unit = _unit(slopes, each)
             begins, steps = wanted.domain.begins, GivenSteps(reading, [*slopes], unit, each.rates)
             held, within = held_in(steps, begins.cuts if begins else ())
             if not within[1:]:
@@ -165,12 +182,13 @@ def _held(
                 continue
             if within != [*slopes]:
                 slopes = each.slopes(within)
-                unit = own_time([(np.array(y), slopes[y]) for y in slopes], each.at)
+                unit = _unit(slopes, each)
             if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
                 far.append(unlike)
-                if STATE in subject.convention.order and not hasattr(subject.function, "of_size"):
+                fixed = STATE in subject.convention.order and not hasattr(subject.function, "of_size")
+                if fixed and not wanted.domain.begins:
                     break  # of an array that it takes; the size of vectors is a guess
-            elif far:
+            elif far and not wanted.domain.begins:
                 what = f"of {len(states[0])} numbers its system is the one given, but not of more"
                 raise OwnSystem(f"{what}, where {far[0]}; write a step of y and h of as many as are meant")
             else:
@@ -182,8 +200,9 @@ def _held(
             )
         if far and (left := [name for name in subject.parameters if name not in each.values]):
             raise LeftAtOne(f"with {', '.join(left)} set to 1 its system is not the one given{each.words}: {far[0]}")
-        if far:
-            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}")
+        if far:  # of an object that is made anew its first call does not tell
+            stale = stale_in(subject) if getattr(subject.function, "anew", False) else ""
+            raise NotOnOwnSystem(f"its system is not the one given{each.words}: {far[0]}{stale}")
         if limited:
             raise Limited("states jump, or end at a limit, however short the step")
     raise refused[0]
@@ -208,6 +227,10 @@ def steps_on_system(subject: ForeignStepper, wanted: Specification, system: Call
     if not found.holds and isinstance(method, Splitting) and steps.pushed:
         if otherwise := steps.moved_otherwise(method):
             raise NotOnOwnSystem(f"whatever velocities its force is asked with, {otherwise}")
+        euler = replace(wanted, method=METHODS["forward_euler"])
+        with suppress(MethodError):
+            if near(steps, euler).holds:
+                raise NotOnOwnSystem(f"its positions move by old velocities: {found.words}")
         order = ", where all positions come before all velocities" * (steps.size > 2 and steps.halves[0].step is None)
         raise PushedUnusually(f"its force depends on the velocity{order}, and with that {BEFORE} {found.words}")
     if found.holds and steps.untimed:
@@ -234,6 +257,18 @@ def _mistakes(subject: ForeignStepper, wanted: Specification, system: Callable[.
     """The mistakes in the method that give its steps on the system given, also where short steps go otherwise."""
     steps, _ = _held(subject, wanted, system, anyway=True)
     return mistakes_on(steps, wanted) or mistakes_on(replace(steps, newton=True), wanted)
+
+
+def _named(subject: ForeignStepper, wanted: Specification, system: Callable[..., Any] | str) -> str:
+    """Another method of the same kind and order, or one that moves all by the slopes at its start, that it is."""
+    (steps, _), kind = _held(subject, wanted, system), type(wanted.method)
+    for key, other in METHODS.items():
+        alike = isinstance(other, kind) and other.explicit and other.claimed_order == wanted.method.claimed_order
+        if key != wanted.method.key and (alike or key == "forward_euler"):
+            with suppress(MethodError):
+                if near(steps, replace(wanted, method=other)).holds:
+                    return key
+    return ""
 
 
 def _elsewhere(steps: GivenSteps, wanted: Specification) -> StepFinding:
@@ -296,8 +331,10 @@ def report_on_system(
     search = partial(_mistakes, wanted=wanted, system=system)
     mistakes = (runner.outcome_of(search).result or ()) if refuted else ()
     passed, verdict = _verdict(key, checks, mistakes)
+    if refuted and not mistakes and (other := runner.outcome_of(partial(_named, wanted=wanted, system=system)).result):
+        verdict = f"{verdict}; on it its steps are those of {other}"
     remarks = [f"remark: {each}" for each in told if passed and each.partition("; ")[0] not in verdict]
-    if holds is False and not first.result and first.kind != NotOnOwnSystem.kind:
+    if holds is False and not first.result and first.kind not in (NotOnOwnSystem.kind, StaleSlope.kind):
         verdict = f"{NO_ANSWER}: {words}"
     verdict = "; ".join(filter(None, [verdict, *remarks, arithmetic_of(replies)]))
     parts, data = criteria_parts(checks, passed)

@@ -60,6 +60,7 @@ _HELPS = {
     findings.KILLED: "try again where nothing kills its process; running out of memory also kills processes",
     findings.INSTRUMENT_FAILED: "report this to us",
     findings.OwnClock.kind: "examine the wrapper in its place",
+    findings.StaleSlope.kind: "return the slope, and the time, of the state at the end of the step",
 }
 _ANSWER = (
     "make this one call return an answer, or write a step of arrays that takes its right-hand side: step(f, t, y, h)"

@@ -194,7 +194,7 @@ class Refutation:
             if any(check.key == MEMORY and check.is_fault for check in checks):
                 yield f"is not {key}: {agrees} {CALL_BEFORE}"
             off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
-            as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
+            as_if = f", as if its stages were solved to {off * solved:.1e} of 1 and of their size" if solved else ""
             still = [check.words for check in checks if check.what == ROUNDED]
             sums = "".join(f"; {words}, as weights of states that do not sum to 1 do" for words in still)
             yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}{sums}"

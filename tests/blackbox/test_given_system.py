@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from driftproof import Allowance, Domain, assert_verified, stepper_of, verify
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.programs.stepping import stepper
 from tests.looping import exactly
 
 EXACT = Allowance(solver_tolerance=1e-12)
@@ -250,3 +252,35 @@ def test_where_slopes_do_not_change_no_method_shows():
         found = verify(step, "rk4", system=lambda t, y, x=change: [1.0, 2 + x * y[0]], isolate=False)
         assert found.passed is None
         assert f"steps of rk4 on it are not known: in a step of it slopes hardly change{longer}" in found.text()
+
+
+def in_plane(x):
+    """The accelerations of bodies in rows of a plane, each drawn to the next."""
+    pulls = np.diff(x, axis=0) * (1 + x[:-1] ** 2)
+    found = np.zeros_like(x)
+    found[:-1] += pulls
+    found[1:] -= pulls
+    return found
+
+
+@pytest.mark.parametrize("last", [0.5, 1.0])
+def test_bodies_in_a_plane_are_tried_where_the_system_takes_none_in_space(last):
+    def moved(dt, x, v):
+        v += dt / 2 * in_plane(x)
+        x += dt * v
+        v += last * dt * in_plane(x)
+
+    def system(y):
+        q, v = np.reshape(y, (2, -1, 2))
+        return [*v.ravel(), *in_plane(q).ravel()]
+
+    found = verify(moved, "velocity_verlet", system=lambda y: system(y) if len(y) == 12 else 1 / 0, isolate=False)
+    assert (found.passed, "in 12 numbers" in found.verdict) == (last == 0.5, last == 0.5), found.verdict
+
+
+def test_a_method_of_the_same_order_that_it_is_instead_is_named():
+    spring = lambda y: [y[1], -y[0] - y[0] ** 3]
+    moved = stepper(METHODS["forest_ruth"], float)
+    step = lambda q, v, h: moved(lambda x: -x - x**3, q, v, h)
+    found = verify(step, "yoshida4", system=spring, isolate=False)
+    assert (found.passed, found.verdict.endswith("; on it its steps are those of forest_ruth")) == (False, True)

@@ -76,10 +76,17 @@ def first_call_again(subject: ForeignStepper, explicit: bool = False) -> StepFin
         if not np.all(off <= (few if explicit else ALIKE * np.abs(end))):
             first, last = (", ".join(f"{x:.16g}" for x in numbers) for numbers in (end, again))
             seen = f"its first step ended at ({first}), and the same step, made again after others, at ({last})"
-            return StepFinding(False, seen)
+            return StepFinding(False, seen + stale_in(subject))
         most = max(most, float(off.max()))
     told = f"to {most / size:.1e} of its size" if most else "to the last bit"
     return StepFinding(True, f"its first step, made {MANY} times again after all others, ends where it did, {told}")
+
+
+def stale_in(subject: ForeignStepper) -> str:
+    """What an object keeps from its last step that a step of 0 would bring up to date, in words; "" if nothing."""
+    names = ", ".join(getattr(subject.function, "late", ()))
+    of = f"; what it keeps, {names}, is not that of where it goes on: a stale force, as one asked before positions"
+    return f"{of} move, or a method of several steps" if names else ""
 
 
 def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:

@@ -27,8 +27,8 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, STANDARD_ORDER, CallingConvention
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.handed_slopes import HandedSlopes
 from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, as_array
+from driftproof.blackbox.stepper.states.handed_slopes import HandedSlopes
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
 from driftproof.support.plain_text import Json

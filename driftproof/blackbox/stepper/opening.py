@@ -17,7 +17,6 @@ from driftproof.blackbox import findings
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.handed_slopes import with_own_slope, with_slopes_kept
 from driftproof.blackbox.stepper.second_functions import with_own_jacobian, zeros
 from driftproof.blackbox.stepper.starts import AS_PARTS, Start
 from driftproof.blackbox.stepper.states.array_adapters import (
@@ -28,7 +27,8 @@ from driftproof.blackbox.stepper.states.array_adapters import (
     adapters_of,
     as_array,
 )
-from driftproof.blackbox.stepper.states.forms_by_values import form_of_more_numbers
+from driftproof.blackbox.stepper.states.forms_by_values import form_of_more_numbers, state_names_of
+from driftproof.blackbox.stepper.states.handed_slopes import with_own_slope, with_slopes_kept
 from driftproof.blackbox.stepper.states.plain_forms import plain_forms
 from driftproof.blackbox.stepper.states.records import record_forms
 from driftproof.blackbox.stepper.states.state_forms import SYSTEMS, forms_of
@@ -51,6 +51,7 @@ from driftproof.support.environment import imported_object
 
 # A short step where y' = 1 goes this many times as far as h at most, or the part of it at least.
 _WITHIN = 8
+_PARTS = (calling.POSITION, calling.VELOCITY, calling.QUATERNION, calling.ANGULAR)  # of a state of bodies
 # The arguments of a wrapper that is a function, and names in it.
 _HEAD, _WORD = re.compile(r"def wrapped\((.*?)\): "), re.compile(r"[A-Za-z_]\w*")
 
@@ -159,6 +160,10 @@ class _Opening:
             return found
         for stale in self._stale:
             raise stale from None
+        roles = {calling.role_of(name, _PARTS) for name in state_names_of(self.given)[0]}
+        if len(roles) > 2 and self.calls is None and None not in roles:
+            its_state = f"if {', '.join(state_names_of(self.given)[0])} are its state, say so: {AS_PARTS}"
+            raise findings.BadInput(f"{calling.signature_text(self.given)}: {its_state}")
         line = _tried_out(wrappers.wrapper_line(self.given, self.keeps), self.given)
         if self.calls is not None:
             raise findings.BadInput(f"{error}{line * line.startswith(':')}") from None
@@ -195,7 +200,7 @@ class _Opening:
         """The stepper as a plain form, unless a slope was stale; raises why its most natural reading failed."""
         if not self._stale and (found := self._as_plain()):
             return found
-        if self._stale and self.calls in (None, calling.MAP) and (form := with_own_slope(self.step)):
+        if self.calls in (None, calling.MAP) and (form := with_own_slope(self.step)):
             return opened(form, None, self.array, self.before, self.after)
         why = [*self._stale, *self.failures][0]
         asked = why.__cause__

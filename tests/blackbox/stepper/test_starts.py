@@ -42,6 +42,14 @@ def tumbling(y):
     return np.array([*(each / 2 for each in turned), 0.6 * q * r, -0.5 * p * r, 0.1 * p * q])
 
 
+SPIN = np.array([1.0, 2.0, 3.0])
+
+
+def half_product(q, w):
+    """The slope of a quaternion that turns by w."""
+    return np.array([-q[1:] @ w, *(q[0] * w + np.cross(w, q[1:]))]) / 2
+
+
 def turned(q, w, dt, part=0.5):
     end = midpoint(tumbling, np.array([*q, *w]), dt, part)
     q[:], w[:] = end[:4], end[4:]
@@ -95,11 +103,43 @@ def test_states_lie_within_the_ranges():
         assert all(low <= x <= high for x, (low, high) in exactly(4, zip(y, start.ranges, strict=True)))
 
 
+def falling(pos, vel, quat, omega, dt, first=True):
+    """Semi-implicit Euler of a body that falls and tumbles: velocities first, or each part with the old ones."""
+    new = vel + dt * np.array([0.0, 0.0, -9.81])
+    spun = omega + dt * -np.cross(omega, omega * SPIN) / SPIN
+    pos = pos + dt * (new if first else vel)
+    quat = quat + dt * half_product(quat, spun if first else omega)
+    return pos, new, quat / np.linalg.norm(quat), spun
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_splitting_moves_the_parts_that_are_called_velocities_before_others(first):
+    def system(y):
+        _, v, q, w = np.split(y, [3, 6, 10])
+        return np.concatenate([v, [0.0, 0.0, -9.81], half_product(q, w), -np.cross(w, w * SPIN) / SPIN])
+
+    step = lambda pos, vel, quat, omega, dt: falling(pos, vel, quat, omega, dt, first)
+    found = judged(step, "symplectic_euler", system, "0,0,1; 1,2,0.5; 1,0.1,0.2,0.3; 0.5,0.3,0.2")
+    said = "its velocities being vel and omega" if first else "; on it its steps are those of forward_euler"
+    assert (found.passed, said in found.verdict) == (first, True), found.verdict
+    with pytest.raises(ValueError, match=r"if pos, vel, quat, omega are its state, say so: verify --system MODULE:f"):
+        verify(step, "symplectic_euler", system=system, isolate=False)
+
+
+def test_a_0_without_other_numbers_in_its_part_is_held_there():
+    def moved(x, y, heading, speed, dt):
+        return x + dt * speed * cos(heading), y + dt * speed * sin(heading), heading + dt * speed / 3, speed
+
+    slopes = lambda y: (y[3] * cos(y[2]), y[3] * sin(y[2]), y[3] / 3, 0.0)
+    found = judged(moved, "forward_euler", slopes, "0; 0; 0.2; 5")
+    assert (found.passed, "from states in 0, 0, 0.175:0.225, 4.375:5.625" in found.verdict) == (True, True)
+
+
 REFUSED = {
     "x": "'x' is no number, nor a range such as 280:400",
     "1:2:3": "'1:2:3' is no number",
     "inf": "'inf' is no number",
-    "0": "'0' is no range of a number; write such as -1:1",
+    "0": "'0' is one state, which shows little; write such as -1:1",
     "2:1": "'2:1' is no range",
     "1; 2": "and keeps its own system; <lambda>(y, dt): the start has 2",
 }

@@ -13,8 +13,9 @@ from driftproof.blackbox.judging.agreement import NOT_BACK
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import NUDGES
 from driftproof.blackbox.judging.systems.given_steps import Beside, GivenSteps
-from driftproof.blackbox.judging.systems.held_states import common_length, without_periods
+from driftproof.blackbox.judging.systems.held_states import common_length, jump_from, without_periods
 from driftproof.blackbox.judging.systems.own_steps import COMPARED, SEEN_BENT
+from driftproof.blackbox.judging.systems.own_system import OwnSystem
 from driftproof.blackbox.judging.systems.whole_states import TIMES
 from driftproof.blackbox.stepper.calling_conventions import STATE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -29,6 +30,11 @@ from driftproof.support.plain_text import counted
 _FARTHER, SMALL = 4, 2.0**-10
 # A common length of many is no smaller part of them, while Euclid goes on to the rounding of others.
 _COMMON = 2.0**-24
+_FEW = 4  # numbers of a state, which a line shows
+
+
+class Limited(OwnSystem):
+    """Some states jump, or end at a limit, in every step, however short: these are not what it is for."""
 
 
 def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding:
@@ -48,9 +54,12 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
             held.append(one)
             if one.limit:
                 continue
-            found.append(one)
             if one.fails:
+                if jump := jump_from(own, y, t):
+                    refused.append(f"from ({_shown(y)}) {jump}")
+                    continue
                 return StepFinding(False, one.fails)
+            found.append(one)
             bent = max(bent, h * own.apart(y, own.rates(t, y), own.rates(t + h, one.told)))
         except (Misbehaviour, ArithmeticError) as left_out:
             why = str(left_out)
@@ -61,7 +70,9 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
         longest = wanted.domain.largest_step
         words = f"; write --largest-step {own.unit:g}, in Python domain=Domain({own.unit:g})"
         longer = words * (longest < own.unit and bent * own.unit >= SEEN_BENT * longest)
-        raise MethodError(why or next(iter(_held(held)), "") or f"in a step of it slopes hardly change{longer}")
+        none = why or next(iter(_held(held)), "")
+        still = f"in a step of it slopes hardly change{longer}" + f"; of others {none}" * bool(none)
+        raise MethodError(still if found else none or still)
     splits = isinstance(of_one_state(wanted.method), Splitting)
     pushed = ""
     if isinstance(method := of_one_state(wanted.method), Splitting) and own.pushed:
@@ -69,9 +80,12 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
     off = max(one.off for one in found)
     digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
     turns = ", with velocities between positions" * (splits and own.halves[0].step == 2)
+    if splits and own.size % 2:
+        turns = f", its velocities being {' and '.join(own.subject.function.speed_names)}"  # type: ignore[attr-defined]
     rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
     told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}{own.held.words}, {digits}{rough}"
-    told += _within(own, start, refused) if start else ""
+    left = f"; {counted(len(refused), 'step')} cannot be compared: {refused[0]}" if refused else ""
+    told += (_within(own, start) if start else "") + left
     return StepFinding(True, "; ".join([told, *_held(held)]))
 
 
@@ -83,12 +97,13 @@ def _beside(own: GivenSteps, wanted: Specification, t: float, y: Sequence[float]
         return replace(own, newton=True).beside(wanted, t, y, h)
 
 
-def _within(own: GivenSteps, start: Start, refused: Sequence[str]) -> str:
+def _within(own: GivenSteps, start: Start) -> str:
     """The states of a start from which steps are compared, and what is not seen of these, in words."""
     unseen = len(start.states) - len(own.states)
     told = f", from states in {start.words}"
-    told += f"; the system given has no slopes at {unseen} of {len(start.states)} states there" if unseen else ""
-    return told + (f"; {counted(len(refused), 'step')} cannot be compared: {refused[0]}" if refused else "")
+    return told + (
+        f"; the system given has no slopes at {unseen} of {len(start.states)} states there" if unseen else ""
+    )
 
 
 def longer(own: GivenSteps, wanted: Specification) -> list[float]:
@@ -102,7 +117,7 @@ def _steps_elsewhere(own: GivenSteps, wanted: Specification) -> Iterator[tuple[f
     far, longest, h = wanted.domain.largest_state, wanted.domain.largest_step, own.unit * COMPARED[0]
     start = wanted.domain.begins
     for t, y in product(own.times, start.corners if start else own.states):
-        ratio = max(1.0, far / max(map(abs, y)))
+        ratio = max(1.0, far / (max(map(abs, y)) or far))
         for by in (1.0,) if start else (SMALL, *(ratio ** (i / _FARTHER) for i in range(1, _FARTHER + 1))):
             yield t, [own.number(x * by) for x in y], min(h, longest)
         for h_longer in longer(own, wanted):
@@ -110,8 +125,11 @@ def _steps_elsewhere(own: GivenSteps, wanted: Specification) -> Iterator[tuple[f
 
 
 def elsewhere(own: GivenSteps, wanted: Specification) -> StepFinding:
-    """Compare steps from small and large states, and long ones; None if none of them can be compared."""
-    states, steps, refused, held = list[float](), list[float](), list[str](), list[Beside]()
+    """Compare steps from small and large states, and long ones; None if none of them can be compared.
+
+    Raises Limited if there are states which the code puts elsewhere, however short the step, and all others agree.
+    """
+    states, steps, refused, held, jumps = list[float](), list[float](), list[str](), list[Beside](), ""
     for t, y, h in _steps_elsewhere(own, wanted):
         try:
             one = own.beside(wanted, t, y, h)
@@ -120,6 +138,9 @@ def elsewhere(own: GivenSteps, wanted: Specification) -> StepFinding:
         except ArithmeticError:
             pass
         else:
+            if one.fails and (jump := jump_from(own, y, t)):
+                jumps = jumps or f"from ({_shown(y)}) {jump}"
+                continue
             if one.fails:
                 return StepFinding(False, one.fails)
             held.append(one)
@@ -131,8 +152,14 @@ def elsewhere(own: GivenSteps, wanted: Specification) -> StepFinding:
         return StepFinding(False, wrong)
     told = [f"no answer to {counted(len(refused), 'step')} elsewhere: {refused[0]}"] if refused else []
     told += (kept := _held(held))
+    if jumps:
+        seen = f"; {counted(len(steps), 'other step')} elsewhere agree" * bool(steps)
+        asked = (
+            "as at a limit of the code, or by a mistake; --start, in Python Domain(start=...), says where it is asked"
+        )
+        raise Limited(f"{jumps}, {asked}{seen}")
     if steps:
-        reach = f"from states of {min(states):.2g} to {max(states):.3g}, of h up to {max(steps):.3g}"
+        reach = f"from states of {min(states):.3g} to {max(states):.3g}, of h up to {max(steps):.3g}"
         told += [f"{counted(len(steps), 'step')} elsewhere agree, {reach}"]
     words = "; ".join(told) or f"{wanted.method.key} has no steps with half of their digits elsewhere"
     return (Remarked if refused or kept else StepFinding)(steps != [] or None, words)
@@ -194,6 +221,11 @@ def of_two(own: GivenSteps) -> ForeignStepper:
         read=lambda value, size: adapter.read(value, size + len(rest))[:size],
     )
     return replace(subject, adapter=first)
+
+
+def _shown(y: Sequence[float]) -> str:
+    """A state in words, of many numbers the first."""
+    return ", ".join(f"{x:.4g}" for x in y[:_FEW]) + ", ..." * (len(y) > _FEW)
 
 
 def _of_no_period(steps: Sequence[Beside]) -> str:

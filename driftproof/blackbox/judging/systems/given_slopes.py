@@ -51,6 +51,8 @@ class GivenSlopes:
         names = parameters_of(function) or ()
         taken = [each for each in names if each in {**kept, **subject.parameters}]
         parts = {each: x for each, x in getattr(subject.function, "later", {}).items() if each in names}
+        if all(each in {*taken, *parts} or role_of(each, (TIME,)) for each in names):  # its y is the whole state
+            parts = {}
         plain = [each for each in required_names(function) or ("t", "y") if each not in taken and each not in parts]
         if len(plain) == 2 and role_of(plain[0], (STATE,)) and not role_of(plain[1], (STATE, TIME)):
             raise BadInput(f"the system given takes {plain[1]}, which is no parameter of the step")

@@ -47,6 +47,25 @@ class Held:
 UNHELD = Held()
 
 
+def jump_from(steps: Any, y: Sequence[float], t: float = 0.0) -> str:
+    """How even a short step from a state ends far from it, as at a limit, in words; "" if it does not.
+
+    A step of half the length ends as far, and one from a state that is larger by an eighth ends where it does. Small
+    states are at no limit.
+    """
+    size = max(map(abs, y))
+    if size < min(max(map(abs, each)) for each in steps.states):
+        return ""
+    with suppress(Misbehaviour, ArithmeticError):
+        h = SHORT * min(steps.unit, size / max(map(abs, steps.slopes(t, y))))
+        ends = [np.array(steps.end(t, z, x)) for z, x in ((y, h), (y, h / 2), ([x * 9 / 8 for x in y], h))]
+        far, near, same = np.abs(ends[0] - y), np.abs(ends[1] - y), np.abs(ends[2] - ends[0])
+        leaps = (far > _JUMP * size) & (near > 3 / 4 * far) & (same < _JUMP * size)
+        for i in np.flatnonzero(leaps)[:1]:
+            return f"number {i} jumps from {y[i]:.4g} to {ends[0][i]:.4g} in a step of {h:.1g}"
+    return ""
+
+
 def held_in(steps: Any, parts: Sequence[tuple[int, int]]) -> tuple[Held, list[tuple[float, ...]]]:
     """What is held of `OwnSteps`, and states from which short ones do not jump: of one that does, where it ends.
 
@@ -101,8 +120,8 @@ def how_held(
 ) -> tuple[str, float]:
     """The limit at which numbers end that are farther off the method's than allowed, in words, or a period; "" and 0.
 
-    Beside this step they end in the same numbers, one of which is between where it begins and the method's end; or as
-    far off by whole periods, which change no slope.
+    Beside this step one ends in the same number, between where it begins and the method's end, as the others do unless
+    they bounce there; or they end as far off by whole periods, which change no slope.
     """
     allowed = np.full(steps.size, allowed) if isinstance(allowed, float) else allowed
     end, told, begun = np.array(steps.end(t, y, h)), np.array(steps.step(method, t, y, h)), np.array(y)
@@ -116,9 +135,10 @@ def how_held(
         passed = known | (end != begun)
         for to in (told, meant):
             passed &= known | (np.minimum(begun, to) <= end) & (end <= np.maximum(begun, to))
-        if passed[beyond].any() and ((other == end) & (meant != told))[beyond].all():
-            i = next(i for i in beyond if passed[i])
-            return f"number {i} ends at {end[i]:g}, a limit, where {method.key} goes on", 0.0
+        if stay := [i for i in beyond if passed[i] and other[i] == end[i] and meant[i] != told[i]]:
+            moved = [i for i in beyond if not (other[i] == end[i] and meant[i] != told[i])]
+            beside = f", and number {moved[0]} is changed there, as where it bounces" if moved else ""
+            return f"number {stay[0]} ends at {end[stay[0]]:g}, a limit, where {method.key} goes on{beside}", 0.0
         change = (other - meant)[beyond] - off
         same = np.abs(change - (period and period * np.rint(change / period))) <= _SAME * np.abs(off) + allowed[beyond]
         if period > steps.half * size / ROUGH and same.all():

@@ -170,11 +170,16 @@ class OwnSteps:
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
+            around = [
+                [(np.array(self.slopes(0.0, y)) - push) / by for y in ((by, 0.0), (0.0, by))]
+                for by in (-tiny, 2 * tiny)
+            ]
             here, timed = [np.array(self.slopes(0.0, y)) for y in self.states], self.timed
         except (Misbehaviour, ArithmeticError):
             return "another one"
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
-        if np.abs(rows[:, :2]).max() * self.unit * ROUGH > 1:  # a jump
+        size = np.abs(rows[:, :2]).max()
+        if size * self.unit * ROUGH > 1 or not np.allclose(around, rows[:, :2].T, 0, ROUGH * size):  # a jump, or a kink
             return "another one"
         # Where q' = v, a velocity is as large as a position by the system's own time: -1e6 q - 10 v is not -1e6 q.
         sizes = (1.0, 1 / self.unit if abs(rows[0, 0]) * self.unit < _NEAR else 1.0, 1.0)
@@ -289,7 +294,7 @@ def table_step(
     rounds = ceil(log2(error) / log2(_CONTRACTS))
     end, done = step_by_iteration([a], [b], lambda i, z, _: slopes(t + c[i] * h, z), y, h, rounds, settled)
     if not done:
-        raise ArithmeticError(f"the stages of {method.key} do not settle")
+        raise ArithmeticError(f"the stages of {method.key} could not be solved there")
     return [float(x) for x in end]
 
 

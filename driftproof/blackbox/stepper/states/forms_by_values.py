@@ -18,8 +18,8 @@ from driftproof.blackbox.stepper.states.array_adapters import Foreign
 # Steps so short that nearly nothing moves by more than this, the second where a system is stiff; and one in which the
 # system does.
 _SHORT, _NEARLY_STILL, _LONG = (2.0**-20, 2.0**-40), 2.0**-10, 0.25
-# A step of one number takes no more than so many parameters; beside others, what it returns may be an array.
-_MOST_BESIDE_ONE = 2
+# A step of one number takes no more than so many parameters, and one of an array; of more the names have to tell.
+_MOST_BESIDE_ONE, _MOST_BESIDE_AN_ARRAY = 2, 4
 # Where arrays may hold cells that move each other, as in a wave, or a vector in space, they have so many.
 _CELLS = 3
 # Where numbers are taken for none of the state, its vectors may have so many, as those of a matrix that is built in.
@@ -154,7 +154,7 @@ def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     What it takes besides, as a control, is 1. Where the array is complex, y holds its real parts, then the others.
     """
     known, size, times = state_names_of(step)
-    if not (known and size) or len(known) > 1 + _MOST_BESIDE_ONE or calling.matrices(known):
+    if not (known and size) or len(known) > 1 + _MOST_BESIDE_AN_ARRAY or calling.matrices(known):
         return
     found = Numbers(step, known[:1], dict.fromkeys(known[1:], 1.0), size, times, whole=True)
     for count, h in product(_NUMBERS_OF_AN_ARRAY, _SHORT):

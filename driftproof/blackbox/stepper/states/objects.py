@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain, islice
 from math import isfinite
@@ -115,6 +115,8 @@ class ObjectStep:
     dense: str | None = None
     made: Object = None
     function: Callable[..., Any] | None = None
+    # What a step of 0 brings up to date, but its own steps do not.
+    late: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Have the name of what is made, which reports show, and arguments with names. Raises TypeError."""
@@ -236,7 +238,7 @@ class ObjectStep:
             self.function = function
 
     def _seen_upkeep(self) -> tuple[bool, list[str]]:
-        start, other = self._filled(1.0, 0.5), self._filled(-0.5, 0.75)
+        start, other = self._filled(0.8125, 0.5), self._filled(-0.5625, 0.75)  # where no new object is
 
         def course(*begins: list[list[float]] | None, zero: bool) -> list[list[float]]:
             """The end of a new object that makes a step from each of these, or from its own place."""
@@ -253,7 +255,8 @@ class ObjectStep:
 
         made, places = self._new(), [x.partition(".")[0] for x in self.places if isinstance(x, str)]
         before = {name: repr(x) for name, x in vars(made).items()}
-        self._step(made, start, [_TRIED])
+        for begin in (start, other):  # in the first of which a new object may have been as well
+            self._step(made, begin, [_TRIED])
         kept = [name for name, x in vars(made).items() if repr(x) != before.get(name) and name not in places]
         same, on = alike(False)
         if not kept or (on and (same or self.anew)) or course(start, zero=False) != course(start, zero=False):
@@ -261,6 +264,7 @@ class ObjectStep:
         with suppress(Exception):
             same, on = alike(True)
             if same:
+                self.late = [] if on else kept
                 return on, []
 
         def matters(name: str) -> bool:

@@ -99,7 +99,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     if not _is_told(step):
         if numbers := Numbers.of(step):
             yield numbers.form
-        if not _functions(names):
+        if names[:1] != _functions(names)[:1]:  # an a after a state may be an acceleration, a number
             yield from forms_of_an_array(step)
 
 

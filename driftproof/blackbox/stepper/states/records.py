@@ -16,6 +16,7 @@ from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
 from driftproof.blackbox.stepper.states.forms_by_values import further_numbers
+from driftproof.blackbox.stepper.states.handed_slopes import with_own_slope
 from driftproof.blackbox.stepper.states.named_answers import (
     CLOCK_ERROR,
     is_before,
@@ -247,7 +248,9 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         record = record_of(step, alone)
         further = further_fields(record, alone) if record is not None else []
         if record is not None and not further:
-            if not record.slopes:  # a slope that is handed on has no function to be asked for
+            if handing := handed_on(partial(called, None), record):  # a step of 0 makes the slope that is handed on
+                yield with_own_slope(handing) or handing
+            elif not record.slopes:
                 yield _with_parameters(called, record)
         elif found := fields_of(step, alone):
             name, make, fields, needed = found
@@ -300,8 +303,11 @@ def _of_numbers(
     order = [each for each in needed if each != clock]
     if len(order) <= 2 or any(map(is_before, order)):
         return
+    # A dict that a step changes has no order but that in which it is read, of velocities before positions, too.
+    order.sort(key=lambda name: calling.role_of(name, (calling.VELOCITY,)) is not None)
     with suppress(Exception):
-        returned = [each for each in named_parts(step(make(**dict.fromkeys(needed, 0.5)))) if each != clock]
+        made = make(**dict.fromkeys((*order, *([clock] if clock else ())), 0.5))
+        returned = [each for each in named_parts(step(made)) if each != clock]
         order = returned if {*returned} == {*order} else order
 
     def moved(t: float, y: Sequence[float], h: float) -> list[Foreign]:
@@ -351,6 +357,12 @@ def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, t
             by /= abs(by) if calling.is_acceleration(name) or calling.has_gradient([name]) else 1.0
             return _handing_on(end, record, name, by)
     return moved if timed else lambda force, q, v, h: moved(force, q, v, 0.0, h)
+
+
+def handed_on(step: Callable[..., Any], record: Record) -> Callable[..., Any] | None:
+    """The step(q, v, a, h) of a step of a record that reads and hands on the slope of its own system, if it does."""
+    form = _form(lambda _, state, t, h: step(state, t, h), record, False, "", False)
+    return (lambda q, v, a, h: form(None, q, v, a, h)) if "acc" in inspect.signature(form).parameters else None
 
 
 def _handing_on(end: Callable[..., Foreign], record: Record, name: str, by: float) -> Callable[..., Any]:

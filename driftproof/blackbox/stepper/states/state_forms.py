@@ -20,7 +20,7 @@ from driftproof.blackbox.stepper.states.array_adapters import (
     floats_in,
     one_number,
 )
-from driftproof.blackbox.stepper.states.records import adapter_of, further_fields, record_of
+from driftproof.blackbox.stepper.states.records import adapter_of, further_fields, handed_on, record_of
 
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
@@ -28,7 +28,8 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
     if convention.kind == MAP and STATE in convention.order:
         alone = lambda state: step(state, 0.25)
         record = record_of(step, alone)
-        if record is not None and not any(record.slopes.values()) and not further_fields(record, alone):
+        own = record is not None and not any(record.slopes.values()) and not further_fields(record, alone)
+        if record is not None and own and not handed_on(lambda state, t, h: step(state, h), record):
             yield adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:

@@ -77,3 +77,13 @@ def test_the_own_time_of_a_stiff_spring_is_that_of_its_swing(last, passed, words
 def test_a_friction_as_small_as_rounding_is_not_said_to_be_one():
     step = lambda x, v, dt: (x + dt * (v - dt * (x**3 + 1e-7 * v)), v - dt * (x**3 + 1e-7 * v))
     assert "rounding leaves open whether it is" in verify(step, "symplectic_euler", examples=20, isolate=False).verdict
+
+
+@pytest.mark.parametrize(("force", "law"), [
+    (lambda q, v: -q - 0.5 * abs(v), "another one"), (lambda q, v: -max(q, 0.0), "another one"),
+    (lambda q, v: -2 * q - 0.5 * v, "q' = v, v' = -2 q - 0.5 v"),
+], ids=["a drag", "a contact", "a spring"])  # fmt: skip
+def test_a_law_that_has_a_kink_at_0_is_not_told_as_a_linear_one(force, law):
+    step = lambda q, v, h: (q + h * v, v + h * force(q, v))
+    steps = OwnSteps.of(opened(step), [(1.0, 0.75), (0.375, 0.5), (-1.0, 0.1875)])
+    assert steps.law == law

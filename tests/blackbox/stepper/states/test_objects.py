@@ -267,3 +267,25 @@ def test_a_clock_that_each_step_sets_leaves_open_what_it_drives_and_a_place_is_a
     assert "begin at one t of its own" in found.verdict
     with pytest.raises(TypeError, match="give the name of an attribute, or two functions"):
         stepper_of(Shaken, state=["x", "v", "t"])
+
+
+@pytest.mark.parametrize(("late", "anew"), [(False, False), (True, False), (True, True)])
+def test_a_force_that_is_asked_before_positions_move_is_told_as_a_stale_one(late, anew):
+    class Pendulum:
+        def __init__(self):
+            self.x, self.v, self.a = 1.0, 0.0, -np.sin(1.0)
+
+        def step(self, h):
+            v = self.v + h / 2 * self.a
+            at, self.x = self.x, self.x + h * v
+            self.a = -np.sin(at if late else self.x)
+            self.v = v + h / 2 * self.a
+
+    found = verify(
+        stepper_of(Pendulum, position="x", velocity="v", anew=anew), "velocity_verlet",
+        system=lambda y: [y[1], -np.sin(y[0])], isolate=False,
+    )  # fmt: skip
+    assert (found.passed, "what it keeps, a, is not that of where it goes on: a stale" in found.verdict) == (
+        not late,
+        late,
+    )

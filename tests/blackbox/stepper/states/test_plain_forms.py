@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof import verify
+from driftproof.blackbox.judging.specification import Domain
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.states.plain_forms import plain_forms
 from tests.blackbox.transcripts import Asked, summed
@@ -370,3 +371,18 @@ def carried_force(pos, vel, F, dt, stale=False):
 def test_work_arrays_and_carried_slopes_are_read_and_their_mistakes_fail(step, method, words, wrong):
     assert f"is {method} {words}" in verify(step, method, examples=30, isolate=False).verdict
     assert verify(partial(step, **wrong), method, examples=30, isolate=False).passed is False
+
+
+@pytest.mark.parametrize("late", [0.5, 0.0])
+def test_an_acceleration_may_be_a_number_that_a_step_takes(late):
+    slopes = lambda y, delta, a: np.array([y[3] * np.cos(y[2]), y[3] * np.sin(y[2]), y[3] * np.tan(delta), a])
+
+    def vehicle(state, delta, a, dt):
+        _x, _y, _heading, _speed = state
+        k1 = slopes(state, delta, a)
+        return state + dt * slopes(state + late * dt * k1, delta, a)
+
+    found = verify(vehicle, "midpoint2", system=slopes, isolate=False)
+    assert (found.passed, "with delta = 1.25; a = 0.875" in found.verdict) == (late > 0, late > 0), found.verdict
+    start = Domain(start="0,0,0.2,5")
+    assert verify(vehicle, "midpoint2", system=slopes, domain=start, isolate=False).passed is (late > 0)

@@ -275,3 +275,51 @@ class Held:
 def test_a_form_that_cannot_be_given_what_it_asks_for_leaves_the_wrapper_to_be_shown():
     with pytest.raises(ValueError, match=r"Held\(ATOMS, force, 0\.1\), position="):
         opened(Held)
+
+
+@dataclass
+class Shot:
+    x: float
+    vx: float
+    y: float
+    vy: float
+
+
+@pytest.mark.parametrize("declared", [False, True])
+def test_a_record_has_its_declared_order_and_a_dict_that_is_changed_positions_first(declared):
+    def thrown(s, dt):
+        s["vx"] -= 0.4 * s["vx"] * dt
+        s["vy"] -= 9.81 * dt
+        s["x"] += s["vx"] * dt
+        s["y"] += s["vy"] * dt
+        return s
+
+    def shot(s: Shot, dt: float) -> Shot:
+        vx, vy = s.vx - 0.4 * s.vx * dt, s.vy - 9.81 * dt
+        return Shot(s.x + vx * dt, vx, s.y + vy * dt, vy)
+
+    pairs = lambda y: [y[1], -0.4 * y[1], y[3], -9.81]
+    system = pairs if declared else lambda y: [y[2], y[3], -0.4 * y[2], -9.81]
+    found = verify(shot if declared else thrown, "symplectic_euler", system=system, isolate=False)
+    assert found.passed, found.verdict
+
+
+@dataclass
+class Swing:
+    x: float
+    v: float
+    acc: float = 0.0
+
+
+@pytest.mark.parametrize(("late", "said"), [
+    (False, "is velocity_verlet on the system given"), (True, "is that of where its step began")
+])  # fmt: skip
+def test_an_acceleration_with_a_default_is_that_of_the_own_system_of_a_record(late, said):
+    def moved(s: Swing, dt: float) -> Swing:
+        v = s.v + dt / 2 * s.acc
+        x = s.x + dt * v
+        acc = -np.sin(s.x if late else x)
+        return Swing(x, v + dt / 2 * acc, acc)
+
+    found = verify(moved, "velocity_verlet", system=lambda y: [y[1], -np.sin(y[0])], isolate=False)
+    assert (found.passed, said in found.verdict) == (not late, True), found.verdict

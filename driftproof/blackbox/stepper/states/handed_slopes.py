@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.states.array_adapters import Foreign
 
@@ -21,6 +23,8 @@ _PREVIOUS = re.compile(
 _AT_FIRST = 8
 # Slopes with a smaller relative difference count as the same.
 _ALIKE = 2.0**-20
+# The shapes of arrays in which the places of bodies may stand: each in a row, in space or in a plane, or on a line.
+_SHAPES = (3, 3), (3, 2), (2,)
 
 
 class _Decisions(dict[str, bool]):
@@ -110,30 +114,48 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     return HandedSlopes(step, calling.required_names(step) or (), slots) if slots else step
 
 
-def with_own_slope(step: Callable[..., Any]) -> Callable[..., Any] | None:
+def with_own_slope(step: Callable[..., Any], start: tuple[Foreign, Foreign] | None = None) -> Callable[..., Any] | None:
     """The step(q, v, h) of a step(q, v, a, h) on a system that is built in, whose slope a step of 0 hands on.
 
-    None unless it hands on the slope of the state at its end, as a step of 0 from there does, whatever it is given.
+    It is tried from a start (q, v), or else with numbers and with arrays of bodies. None unless it hands on the slope
+    of the state at its end, as a step of 0 from there does, whatever it is given. Raises StaleSlope if the slope that
+    it hands on is that of where it began.
     """
     wanted, found = {calling.POSITION, calling.VELOCITY, calling.CARRIED, calling.STEP}, list[Any]()
     with suppress(ValueError):  # it has no system built in
         found += (each for each in calling.conventions_of(step, calling.MAP) if {*each.order} == wanted)
     if not found or found[0].handed is None:
         return None
-    order, handed = found[0].order, found[0].handed
+    named, handed = found[0].named(step), found[0].handed
 
     def parts(q: Foreign, v: Foreign, a: Foreign, h: Foreign) -> tuple[Any, list[Any]]:
         given = {calling.POSITION: q, calling.VELOCITY: v, calling.CARRIED: a, calling.STEP: h}
-        answer = [*step(*(given[role] for role in order))]
+        answer = [*step(**{name: deepcopy(given[role]) for role, name in named}, **found[0].extra)]
         return answer.pop(handed), answer
 
     def begun(q: Foreign, v: Foreign, h: Foreign) -> tuple[Any, ...]:
         slope, _ = parts(q, v, 0.0 * q, 0.0)
         return tuple(parts(q, v, slope, h)[1])
 
-    try:
-        slope, (q, v) = parts(1.0, 0.75, parts(1.0, 0.75, 0.0, 0.0)[0], 0.25)
-        own = [parts(q, v, other, 0.0)[0] for other in (0.0, 1.0)]
-    except Exception:  # a user's function may raise anything
+    for q, v in [start] if start else [(1.0, 0.75), *map(_places, _SHAPES)]:
+        with suppress(Exception):  # a user's function may raise anything
+            here, again = (parts(q, v, other + 0.0 * q, 0.0)[0] for other in (0.0, 1.0))
+            slope, end = parts(q, v, here, 0.25)
+            there, kept = parts(end[0], end[1], 0.0 * q, 0.0)[0], parts(q, v, here + 1.0, 0.25)[0]
+            if np.array_equal(here, again) and np.any(here != there):
+                if np.allclose(slope, there, _ALIKE, 0):
+                    return begun
+                stale = "where its step began" if np.allclose(slope, here, _ALIKE, 0) else "another state"
+                break
+            if np.array_equal(kept, here + 1.0):
+                stale = "the start of its step, which it was given"
+                break
+    else:
         return None
-    return begun if own[0] == own[1] and np.isclose(slope, own[0], rtol=_ALIKE, atol=0) else None
+    raise StaleSlope(f"the slope that it hands on as that at its end is that of {stale}")
+
+
+def _places(shape: tuple[int, ...]) -> tuple[Foreign, Foreign]:
+    """Positions and velocities of several bodies."""
+    q, v = np.cos(np.arange(2.0 * np.prod(shape))).reshape(2, *shape)
+    return q, v

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
+from driftproof.blackbox.judging.specification import Domain
+from driftproof.blackbox.stepper.states.handed_slopes import with_slopes_kept
 from driftproof.blackbox.verify import verify
 from tests.blackbox.transcripts import Asked, summed, titles
 
@@ -125,9 +126,40 @@ def carried(theta, omega, alpha, dt, stale=False, half=0.5):
 
 @pytest.mark.parametrize(("change", "said"), [
     ({}, "is velocity_verlet on the system given, to"), ({"half": 0.25}, "is not velocity_verlet"),
-    ({"stale": True}, "as the slope at its end, not -1.15625, that of q'' = -q"),
+    ({"stale": True}, "the slope that it hands on as that at its end is that of where its step began"),
 ])  # fmt: skip
 def test_an_acceleration_that_is_handed_on_may_be_that_of_its_own_system(change, said):
     step = lambda theta, omega, alpha, dt: carried(theta, omega, alpha, dt, **change)
     found = verify(step, "velocity_verlet", system=lambda y: [y[1], -9.81 * np.sin(y[0])], isolate=False)
+    assert (found.passed is True, said in found.verdict) == (not change, True), found.verdict
+
+
+def pulled(x):
+    """The accelerations of bodies in rows that attract each other."""
+    apart = x - x[:, None]
+    return (apart / (1 + (apart**2).sum(-1, keepdims=True))).sum(1)
+
+
+def molecules(x, v, f, dt, late=0.5, kept=False, before=False):
+    """Velocity Verlet of bodies in rows, which hands on its forces."""
+    v = v + dt / 2 * f
+    new = pulled(x if before else x + dt * v)
+    x = x + dt * v
+    return x, v + dt * late * new, f if kept else new
+
+
+@pytest.mark.parametrize("start", [None, "0:1,1:2,0:1,2:3,0:1,0:1; " + ",".join(["-1:1"] * 6)])
+@pytest.mark.parametrize(("change", "said"), [
+    ({}, "is velocity_verlet on the system given"),
+    ({"late": 0.25}, "is not velocity_verlet"),
+    ({"kept": True}, "is that of the start of its step, which it was given"),
+    ({"before": True}, "is not velocity_verlet: the slope that it hands on as that at its end is that of where"),
+])  # fmt: skip
+def test_forces_of_bodies_that_are_handed_on_are_those_of_its_own_system(change, said, start):
+    def system(y):
+        q, v = np.reshape(y, (2, -1, 3))
+        return [*v.ravel(), *pulled(q).ravel()]
+
+    step = lambda x, v, f, dt: molecules(x, v, f, dt, **change)
+    found = verify(step, "velocity_verlet", system=system, domain=Domain(start=start), isolate=False)
     assert (found.passed is True, said in found.verdict) == (not change, True), found.verdict
