@@ -171,7 +171,9 @@ class ExpressionParser:
         node = self.sum()
         if self.next.kind != END:
             reason = f"unexpected {self.next.shown}; expected an operator + - * / or the end"
-            raise self.error(self.next, reason + "; a decimal has a point" * (self.next.text == ","))
+            unit = self.next.kind == NAME and self.tokens[self.at - 1].kind == NUMBER
+            reason += "; a decimal has a point" * (self.next.text == ",") + "; numbers have no units" * unit
+            raise self.error(self.next, reason)
         return node
 
     @property

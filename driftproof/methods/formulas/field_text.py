@@ -18,6 +18,7 @@ from driftproof.methods.formulas.vector_fields import FLOOR, FUNCTIONS, VectorFi
 from driftproof.methods.numbers.flint_rationals import ends_of
 from driftproof.methods.numbers.number_field import Exact
 from driftproof.methods.schemes import MethodError
+from driftproof.support.plain_text import did_you_mean
 from driftproof.support.toml_tables import (
     TomlTable,
     as_list,
@@ -306,7 +307,10 @@ class _Writer(tree.ExpressionParser):
                 write = lambda one, other: self._short(_OF_TWO[name].format(one, other), node.column)
                 return str(reduce(write, map(self.bare_text, node.arguments)))
         known = f"{', '.join(_OF_ONE)}, each of one argument, max, min, and mod of two"
-        raise ExpressionError(self.text, node.column, f"the functions are {known}")
+        function, near = node.function, ""
+        if function not in (*_OF_ONE, *_OF_TWO) and not (hasattr(math, function) or function.startswith("arc")):
+            near = did_you_mean(function, (*_OF_ONE, *_OF_TWO))  # not of sinh, which is a function of its own
+        raise ExpressionError(self.text, node.column, f"the functions are {known}{near}")
 
     def _compared(self, node: Any) -> tuple[str, str]:
         """Two texts, of which the first is the greater if the node is positive."""

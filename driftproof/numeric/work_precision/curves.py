@@ -124,6 +124,17 @@ class Curve:
         return self.against.value + differs
 
     @property
+    def unsettled(self) -> str:
+        """Why the measured order is not settled, in words; "" if it is."""
+        if self.against is not Against.NOT_SETTLED or not (found := self.order):
+            return ""
+        if found.largest - found.least >= 1:
+            return "its last slopes lie a whole order or more apart, as where steps are long or errors change sign"
+        if found.slopes < SLOPES:
+            return f"only {found.slopes} slope{'s' * (found.slopes > 1)} could be taken, and three are needed"
+        return "its error fell as claimed, and then stays"
+
+    @property
     def against(self) -> Against:
         """How the measured order differs from the claim: not if they agree to the nearest integer, or one is missing.
 

@@ -202,11 +202,16 @@ def _goal_cell(cost: str, key: str, found: Mapping[str, tuple[float, str]], miss
 
 def _missed(curve: Curve, goal: float) -> str:
     """Why no point of the curve is said to meet the goal."""
-    if min(p.error for p in curve.points) <= goal:
+    if _is_by_chance(curve, goal):
         met = next(point.setting for point in curve.points if point.error <= goal)
         return f"met with {'N =' if met.isdigit() else 'tol'} {met}, but not in finer runs"
     most = _untried(curve, goal)
     return f"{f'not reached by N = {most}' if most else 'not met'}: {_least_error(curve)}"
+
+
+def _is_by_chance(curve: Curve, goal: float) -> bool:
+    """True if only runs meet the goal that are coarser than one that misses it."""
+    return not lasting(curve.points, goal) and any(point.error <= goal for point in curve.points)
 
 
 def _untried(curve: Curve, goal: float) -> int:
@@ -281,9 +286,14 @@ def _what_counts(study: Study, measured: Measured) -> Iterator[str]:
         f"A run counts if all finer ones that were made are as good, or have errors below about {ABOVE} (N + 1) 2^-53"
         " times the solution's size, which may be rounding."
     )
+    curves = measured.curves.values()
+    if any(_is_by_chance(curve, goal) for curve in curves for goal in study.wanted or GOALS):
+        chance = "its error changes sign" if study.problem.field.smooth else "its steps end where f changes"
+        yield f"A coarser run that meets what finer ones miss may do so by chance, as where {chance}: take finer ones."
+    yield from (f"{curve.key}: order not settled: {curve.unsettled}" for curve in curves if curve.unsettled)
     yield from (f"{m.key}: {claim}" for m in study.methods for claim in false_claims(m) if claim.embedded)
     yield "-: nothing to measure, or no point with an error."
-    if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
+    if any(_least_error(curve) == "lost" for curve in curves):
         yield "lost: no run has an error below the size of the solution."
     again = [x.key for x in study.methods if isinstance(x, Splitting) and x.parts[0][0] == x.parts[-1][0] == "kick"]
     which = f" (so {', '.join(again)}: code that keeps it makes one less in each step)" if again else ""

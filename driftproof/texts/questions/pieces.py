@@ -234,7 +234,8 @@ class PieceParser(ExpressionParser):
             text += f"/{token.text}"
         if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
             has_pi = "pi" in (self.next.text, self.after(self.at).text)
-            hint = OWN_PI if has_pi else "put brackets around the question"
+            hint = "numbers have no units" if self.next.kind == NAME else "put brackets around the question"
+            hint = OWN_PI if has_pi else hint
             raise self.error(self.next, f"unexpected {self.next.shown} in a number; {hint}")
         return self.rational(text, first)
 

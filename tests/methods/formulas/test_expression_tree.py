@@ -38,6 +38,7 @@ REFUSED = [
     ("", 1, "the expression is empty; write a number such as 1/4"),
     ("1 $", 3, "'$' is not allowed in an expression"),
     ("1 = 2", 3, "unexpected '='; expected an operator + - * / or the end"),
+    ("216s", 4, "unexpected 's'; expected an operator + - * / or the end; numbers have no units"),
     ("(1", 3, "a bracket is not closed; found the end"),
     ("f(1", 4, "the bracket of f is not closed; found the end"),
     (f"{'f' * 600}(1", 603, f"the bracket of {'f' * 482}..."),

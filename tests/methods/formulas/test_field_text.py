@@ -104,7 +104,10 @@ def test_other_choices_are_shown_as_they_are():
 
 REFUSED = {
     "erf(y0)": r"column 1: the functions are sin, .*, sign, heaviside, each of one argument, max, min, and mod of",
-    "sin(y0, t)": r"column 1: the functions are",
+    "sine(y0)": r"column 1: the functions are .* and mod of two; did you mean sin or sign\?$",
+    "sinh(y0)": r"column 1: the functions are .* and mod of two$",
+    "arctan(y0)": r"and mod of two$",
+    "sin(y0, t)": r"column 1: the functions are .* and mod of two$",
     "max(y0)": r"column 1: the functions are",
     "mod(y0, 2, 3)": r"column 1: the functions are",
     "y0^(1/3)": r"column 1: an exponent must be a multiple of 1/2",

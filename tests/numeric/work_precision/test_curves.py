@@ -89,6 +89,9 @@ def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart
         points.append(finer if order else dataclasses.replace(finer, scale=0.0))
     curve = Curve("a", "A", 2, points)
     assert (curve.verdict, curve.order.slopes if curve.order else 0) == (verdict, slopes)
+    why = {(2, 0.3, 7.6): "order or more apart", (3, 3): "only 2 slopes", (2, 2, 0.2, 0.2, 0.1): "and then stays"}
+    assert why.get(orders, "") in curve.unsettled
+    assert bool(curve.unsettled) == (verdict == "not settled")
     if verdict == "not settled" and slopes == len(orders) - 2:  # the same curve of weights that do not add up to 1
         assert dataclasses.replace(curve, consistent=False).verdict == "below the claimed order 2"
     assert Curve("a", "A", 2, [dataclasses.replace(point, steps=None) for point in points]).order is None

@@ -118,6 +118,23 @@ def test_a_run_is_recommended_only_if_all_finer_ones_are_as_good_but_for_roundin
     assert found(1e-3, inf, 1e-3, inf) == ("3 *", 3), "the last may be too long, one between is not as good"
 
 
+def test_a_run_that_is_good_by_chance_and_an_order_that_is_not_settled_are_explained():
+    def shown(*errors, **problem):
+        sizes = [{"state": Size(e, e)} for e in errors]
+        points = [Point(str(8 << i), 8 << i, size, 0.0, 1.0, steps=8 << i) for i, size in enumerate(sizes)]
+        return report.study_text(study("rk4", **problem), Measured({"a": Curve("a", "a", 1, points)}))
+
+    found = shown(1e-1, 1e-4, 2e-2, 1e-2)
+    assert "met with N = 16, but not in finer runs" in found
+    assert (
+        "\nA coarser run that meets what finer ones miss may do so by chance, as where its error changes sign:" in found
+    )
+    assert "\na: order not settled: its last slopes lie a whole order or more apart" in found
+    settled = shown(8e-1, 4e-1, 2e-1, 1e-1)
+    assert "by chance" not in settled
+    assert "order not settled" not in settled
+
+
 def test_what_was_not_tried_is_not_said_to_be_not_met():
     measured = three_curves()
     met = [row[1] for row in report.goal_rows(measured, ["evaluations"], 1e-6)[1:]]
