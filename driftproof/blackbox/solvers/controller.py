@@ -45,6 +45,11 @@ _ROUNDED = 2.0**-51
 _LEAST_SAFETY = 0.5
 # Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
 _MOST_ACCEPTED = 10.0
+# A factor of the estimate is told if it is known as well as this: the errors about the tolerance lie closely enough.
+_MOST_BETWEEN = 1.5
+# By what the difference of one step and two halves may be divided for 2^4 - 1: 1, 2^4, 2^5 - 1, 2^5; a safety that
+# the code then has is of two digits.
+_DIVISORS = (1, 16, 31, 32)
 # Two tolerances; a step size follows them as if the order of the estimate were less by more than this only if it is.
 _TWO, _LESS = (1e-5, 1e-7), 1.5
 # Settling at half the pace of the right exponent or more: of an error no more than its root is left in the next step.
@@ -112,7 +117,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps, held: RungeKutta
     used = next(each for each in estimates if each.name == law.estimate)
     others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, used, rtol, atol, slope))
     wrong, another = _another_exponent(law, used.order)
-    remarks = tuple(filter(None, (another, _other_row(used.pair.key, steps))))
+    remarks = tuple(filter(None, (another, _scaled(law), _other_row(used.pair.key, steps))))
     return ControllerReading(law, lines, (*filter(None, [wrong]), *(traces or others)), remarks)
 
 
@@ -191,6 +196,22 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
     if law.accepted > _MOST_ACCEPTED or (law.accepted > 1 and factor < _LEAST_SAFETY):
         asked = f"after which its law gives {factor:.2g} h"
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
+
+
+def _scaled(law: Law) -> str:
+    """Say that steps are accepted up to another error than the tolerance, as with a factor in the estimate.
+
+    All accepted steps have smaller errors than all rejected ones, which tells the factor from an exception.
+    """
+    least, most = 1 / law.rejected, 1 / law.accepted
+    if not least < most or least <= 1 <= most or most > _MOST_BETWEEN * least:
+        return ""
+    seen = f"steps are accepted up to {law.accepted:.3g} times the tolerance and rejected from {law.rejected:.3g} on"
+    power = float(law.exponent - law.memory)
+    safeties = {n: law.safety * (15 / n) ** power for n in _DIVISORS if least < 15 / n < most}
+    doubled = [n for n, x in safeties.items() if law.estimate.startswith("rk4_doubling54") and is_close(x, round(x, 2))]
+    of_doubling = f", as with y2 - y1 divided by {doubled[0]} in place of 15" if doubled else ""
+    return f"{seen}, as if its estimate were {least:.3g} to {most:.3g} times that of {law.estimate}{of_doubling}"
 
 
 def _elsewhere(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import exp, isclose, log, log1p
+from math import exp, inf, isclose, log, log1p
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,8 @@ class Law:
 
     r is the error over the tolerance, by the estimate of the pair `estimate`. `smallest`, `largest` and `longest` are
     None if no factor was clipped there, and no step. `after_rejection` is true if steps after a rejected one do not
-    grow, `exception` says which other steps do not follow the law. `accepted` is the largest r of an accepted step.
+    grow, `exception` says which other steps do not follow the law. `accepted` is the largest r of an accepted step,
+    `rejected` the least of a rejected one.
     """
 
     estimate: str
@@ -38,6 +39,7 @@ class Law:
     after_rejection: bool
     accepted: float
     exception: str
+    rejected: float = inf
 
     def logs(self, p: LawPoint) -> tuple[float, float]:
         """The logs of the factor after an attempt if nothing limits it, with the memory of the law and without it."""
@@ -91,7 +93,8 @@ def fitted_law(name: str, points: Sequence[LawPoint]) -> Law | None:
     held = [p.factor for p in points if p.accepted and p.rejections]
     accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
     after = bool(held) and max(held) <= 1 + _CLOSE
-    law = Law(name, exp(found[0]), exponent, memory, filtered, None, None, None, after, accepted, "")
+    rejected = exp(min((p.error for p in points if not (p.accepted or p.at_jump or p.rounded > _CLOSE)), default=inf))
+    law = Law(name, exp(found[0]), exponent, memory, filtered, None, None, None, after, accepted, "", rejected)
     if (exception := exceptions(points, law, smallest, largest)) is None:
         return None
     cut = [(p, log(p.factor) - max(law.logs(p))) for p in points if p.rejections <= 1]  # by limits: not 0

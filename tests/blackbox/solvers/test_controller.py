@@ -285,3 +285,17 @@ def test_a_solver_that_advances_the_other_row_than_the_one_it_estimates_is_told_
     found = read_controller(subject, read_steps(subject))
     assert (found.remarks, found.faults) == ((f"controlled by {advances}",) * bool(advances), ())
     assert found.law.exponent == pytest.approx(exponent)
+
+
+@pytest.mark.parametrize(("key", "factor", "said"), [
+    ("bogacki_shampine32", 1.0, ""), ("bogacki_shampine32", 0.5, "0.406 to 0.56 times that of bogacki_shampine32"),
+    ("bogacki_shampine32", 3.0, "2.87 to 3.1 times that of bogacki_shampine32"),
+    ("rk4_doubling54", 1.0, ""), ("rk4_doubling54", 0.5, " times that of rk4_doubling54"),
+    ("rk4_doubling54", 15 / 31, "rk4_doubling54, as with y2 - y1 divided by 31 in place of 15"),
+    ("rk4_doubling54", 15.0, "rk4_doubling54, as with y2 - y1 divided by 1 in place of 15"),
+])  # fmt: skip
+def test_a_factor_of_the_estimate_shows_in_which_steps_are_accepted(key, factor, said):
+    found = read(adaptive(key, exponent=1 / 3 if "32" in key else 0.2, estimate=lambda e: [factor * x for x in e]))
+    assert found.faults == ()
+    assert len(found.remarks) == bool(said)
+    assert all(each.endswith(said) for each in found.remarks)
