@@ -16,7 +16,15 @@ from typing import Any, TypeAlias, TypeVar
 from driftproof.methods.additive import Additive
 from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.names import COMMON_NAMES, KeyedTable, UnknownKey, counted_names, keys_called, plain_name
+from driftproof.methods.names import (
+    BASHFORTH_MOULTON,
+    COMMON_NAMES,
+    KeyedTable,
+    UnknownKey,
+    counted_names,
+    keys_called,
+    plain_name,
+)
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
 from driftproof.support.plain_text import shortened, unknown
@@ -122,6 +130,12 @@ def entry_named(name: str) -> Entry:
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
+    if corrected := BASHFORTH_MOULTON.fullmatch(name.strip().lower()):
+        corrector = f"adams_moulton{int(corrected[1]) - 1}" if int(corrected[1]) > 2 else "trapezoid"
+        raise ValueError(
+            f"{name!r} is corrected a fixed number of times, which only `driftproof verify` and `identify` know; "
+            f"elsewhere give adams_bashforth{corrected[1]} or {corrector}, or in exact runs a method of one step"
+        )
     raise ValueError(
         unknown("method", name, (*METHODS, *FURTHER_METHODS, *COMMON_NAMES), "`driftproof methods` lists all")
     )

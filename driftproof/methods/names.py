@@ -219,6 +219,8 @@ def _lines(text: str, separator: str | None) -> dict[str, tuple[str, ...]]:
 _NAMES = _lines(_OTHER_NAMES, ", ")
 # Key -> the keys of methods that are easily taken for it; name -> the keys of the methods that it may mean.
 EASILY_CONFUSED, AMBIGUOUS_NAMES = _lines(_NOT_TO_BE_CONFUSED, None), _lines(_AMBIGUOUS, None)
+# Names of Adams-Bashforth-Moulton methods of an order, with one correction or as many as they say.
+BASHFORTH_MOULTON = re.compile(r"(?:abm|adams[-_ ]bashforth[-_ ]moulton)[-_ ]?([2-6])(?:[- ]\(?p((?:ec){1,2})e\)?)?")
 COMMON_NAMES = (*(name for names in _NAMES.values() for name in names), *AMBIGUOUS_NAMES)
 _KEYS: dict[str, tuple[str, ...]] = {plain_name(name): (key,) for key, names in _NAMES.items() for name in names}
 _KEYS |= {plain_name(name): keys for name, keys in AMBIGUOUS_NAMES.items()}

@@ -69,6 +69,19 @@ def test_unknown_key_names_the_closest() -> None:
             entry_named(wrong)
 
 
+@pytest.mark.parametrize(("name", "corrector"), [
+    ("abm4", "adams_moulton3"), ("ABM2", "trapezoid"), ("Adams-Bashforth-Moulton 6", "adams_moulton5"),
+    ("abm4-PECECE", "adams_moulton3"),
+])  # fmt: skip
+def test_a_corrected_multistep_method_is_told_who_knows_it_and_what_to_give(name: str, corrector: str) -> None:
+    said = f"'{name}' is corrected a fixed .* `driftproof verify` .* adams_bashforth[2-6] or {corrector}, or in exact"
+    with pytest.raises(ValueError, match=said):
+        entry_named(name)
+    entry_named(corrector)
+    with pytest.raises(ValueError, match="unknown method 'abm7'"):
+        entry_named("abm7")
+
+
 def splitting_order(method: Splitting) -> int:
     """Up to 2, from the coefficients alone: Σk = Σd = 1, and for order 2 half of all (drift before kick) products."""
     drifted, crossed = Q(0), Q(0)

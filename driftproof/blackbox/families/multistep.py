@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
@@ -31,6 +30,7 @@ from driftproof.blackbox.stepper.states.array_adapters import AnyNumber, as_arra
 from driftproof.blackbox.stepper.states.handed_slopes import HandedSlopes
 from driftproof.methods.catalogue import FURTHER_METHODS, METHODS
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.names import BASHFORTH_MOULTON
 from driftproof.support.plain_text import Json
 
 # The step sizes h = 2**-k of first steps and of whole runs, and the length of these runs.
@@ -39,8 +39,6 @@ _FIRST, _WHOLE, _LENGTH = range(2, 10), range(4, 10), 0.5
 _SHORT = 2.0**-6
 
 
-# Names of Adams-Bashforth-Moulton methods of an order, with one correction or as many as they say.
-_CORRECTED = re.compile(r"(?:abm|adams[-_ ]bashforth[-_ ]moulton)[-_ ]?([2-6])(?:[- ]\(?p((?:ec){1,2})e\)?)?")
 _HALVES = (Fraction(1, 2), Fraction(1, 2))
 
 
@@ -57,7 +55,7 @@ class Corrected(Multistep):
     @classmethod
     def named(cls, name: object) -> Corrected | None:
         """The method called abm4, Adams-Bashforth-Moulton 4 (PECE), abm4-PECECE or the like; None for another name."""
-        if not (found := _CORRECTED.fullmatch(str(name).strip().lower())):
+        if not (found := BASHFORTH_MOULTON.fullmatch(str(name).strip().lower())):
             return None
         order, often = int(found[1]), len(found[2] or "ec") // 2
         plain = FURTHER_METHODS[f"adams_moulton{order - 1}"] if order > 2 else None
