@@ -68,7 +68,9 @@ def called_with(
 
 def whole_solver(step: Callable[..., Any]) -> str:
     """What to write for a whole solver."""
-    return f"identify_solver({name_of(step)}), on the command line --solver, for a whole solver"
+    name = name_of(step)
+    asserted = f"in a test assert_verified({name}, method, solver=True)"
+    return f"identify_solver({name}), {asserted}, on the command line --solver, for a whole solver"
 
 
 def plain_role(name: str) -> str | None:
