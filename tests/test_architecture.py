@@ -71,14 +71,14 @@ NOT_ELSEWHERE = "sympy"
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
     "support": 1341,
-    "methods": 5619,
+    "methods": 5641,
     "symbolic": 10698,
-    "numeric": 4728,
-    "blackbox": 24938,
+    "numeric": 4739,
+    "blackbox": 24962,
     "enclosure": 5861,
-    "texts": 11861,
+    "texts": 11862,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6472
+BUDGET_OF_REPORTS_AND_FRONT = 6482
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12

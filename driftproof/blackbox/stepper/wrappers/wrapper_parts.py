@@ -69,7 +69,7 @@ def called_with(
 def whole_solver(step: Callable[..., Any]) -> str:
     """What to write for a whole solver."""
     name = name_of(step)
-    asserted = f"in a test assert_verified({name}, method, solver=True)"
+    asserted = f"in a test assert_verified_solver({name}, method)"
     return f"identify_solver({name}), {asserted}, on the command line --solver, for a whole solver"
 
 

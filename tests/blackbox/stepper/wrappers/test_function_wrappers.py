@@ -152,7 +152,7 @@ def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_un
     def solve(f, t_span, y0, rtol, atol):
         return None
 
-    asserted = "in a test assert_verified(solve, method, solver=True)"
+    asserted = "in a test assert_verified_solver(solve, method)"
     assert (
         wrapper_line(solve) == f": identify_solver(solve), {asserted}, on the command line --solver, for a whole solver"
     )
@@ -191,7 +191,7 @@ class Ball:
 
 def test_a_solver_with_tolerances_is_run_whole_and_an_object_without_a_run_is_not():
     names = namespace(RUNS)
-    asserted = "in a test assert_verified(Adaptive, method, solver=True)"
+    asserted = "in a test assert_verified_solver(Adaptive, method)"
     whole = f"identify_solver(Adaptive), {asserted}, on the command line --solver, for a whole solver"
     assert class_run_wrapper(names["Adaptive"]) == whole
     assert run_of_class(names["Adaptive"])(abs, 0.0, 1.0, tf=2.0, rtol=1e-3) == ([0.0, 2.0], [1.0, 1.0])
