@@ -101,12 +101,12 @@ def _readings(subject: ForeignStepper, domain: Domain) -> Iterator[tuple[Foreign
     if first[0].adapter is BODIES:  # of a code that knows not how many coordinates a body has
         yield seen_at(replace(first[0], adapter=IN_PLANE), domain, 2 * len(first[1][0]) // 3)
     if domain.begins:  # a force of flat arrays may be another one than that of bodies in rows
-        yield from ((replace(subject, function=form), first[1]) for form in subject.function.in_rows())  # type: ignore[attr-defined]
+        yield from ((replace(subject, function=form), first[1]) for form in subject.form.in_rows())
     if domain.begins or hasattr(subject.function, "begun") or subject.adapter not in (ARRAYS, SCALARS, BATCH, *SYSTEMS):
         return
     for size in (1, 2, 3, 4, 6) if STATE in given else (2, 4, 6):
-        of_size = getattr(subject.function, "of_size", lambda size: subject.function)
-        other = replace(subject, function=of_size(size), adapter=ARRAYS) if STATE in given else subject
+        function = subject.form.of_size(size) if subject.form.of_size else subject.function
+        other = replace(subject, function=function, adapter=ARRAYS) if STATE in given else subject
         found = seen_at(other, domain, size)
         with suppress(Misbehaviour):
             if size != len(first[1][0]) and OwnSteps(*found).end(0.0, found[1][0], SHORT):
@@ -185,7 +185,7 @@ def _held(
                 unit = _unit(slopes, each)
             if (unlike := _unlike(reading, slopes, each, unit)) and not anyway:
                 far.append(unlike)
-                fixed = STATE in subject.convention.order and not hasattr(subject.function, "of_size")
+                fixed = STATE in subject.convention.order and not subject.form.of_size
                 if fixed and not wanted.domain.begins:
                     break  # of an array that it takes; the size of vectors is a guess
             elif far and not wanted.domain.begins:

@@ -121,7 +121,7 @@ class Walker(NonlinearComparison):
 
     def counted(self, numbers: int) -> str:
         """The count with its noun, such as "1 position" or "3 numbers"."""
-        masses = " of unequal masses" * (numbers > 1 and getattr(self.subject.function, "unequal_masses", False))
+        masses = " of unequal masses" * (numbers > 1 and self.subject.form.unequal_masses)
         return f"{numbers} {self.what if numbers > 1 else self.what[:-1]}{masses}"
 
     @property

@@ -32,6 +32,7 @@ from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, For
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, SCALARS, AnyNumber, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.states.state_forms import BATCH, columns_of
+from driftproof.blackbox.stepper.states.step_forms import StepForm
 from driftproof.methods.programs.stepping import oscillator
 
 # A force on numbers of the adapter.
@@ -110,9 +111,14 @@ class ForeignStepper(ForeignCode):
         return self._forced(force, t, q, v, h)
 
     @property
+    def form(self) -> StepForm:
+        """What is known of its function, if that stands for a step written otherwise."""
+        return StepForm.of(self.function)
+
+    @property
     def reading(self) -> str:
         """How the arguments of a step are read, if not by their names alone, or if some are set to 1; "" of others."""
-        found, told = self.convention, str(getattr(self.function, "reading", ""))
+        found, told = self.convention, self.form.reading
         if told or not found.extra or found.kind != MAP:
             return told
         parts: dict[str, tuple[str, ...]] = {
@@ -127,15 +133,15 @@ class ForeignStepper(ForeignCode):
     def parameters(self) -> dict[str, float]:
         """The parameters of a system that is built in, by name: 1 unless `with_parameters` has set them."""
         extra = {name: x for name, x in self.convention.extra.items() if word_of(name) in UNIT_PARAMETERS}
-        return {**extra, **self.adapter.parameters, **getattr(self.function, "others", {})}
+        return {**extra, **self.adapter.parameters, **self.form.others}
 
     def with_parameters(self, values: Mapping[str, float]) -> ForeignStepper:
         """The same stepper with these values of some parameters."""
         function, adapter = self.function, self.adapter
         held = {name: x for name, x in values.items() if name in adapter.parameters}
-        others = getattr(function, "others", {})
-        if others.keys() & values.keys():
-            function = function.of_others({**others, **values})  # type: ignore[attr-defined]
+        others, of_others = self.form.others, self.form.of_others
+        if of_others and others.keys() & values.keys():
+            function = of_others({**others, **values})
         elif extra := {name: x for name, x in values.items() if name not in held}:
             convention = replace(self.convention, extra={**self.convention.extra, **extra})
             return replace(self, convention=convention).with_parameters(held)

@@ -25,14 +25,14 @@ def fresh_copy(function: Callable[..., Any]) -> Callable[..., Any] | None:
     (1, 2, 1)
     """
     try:
-        made: Callable[..., Any] = _copied(function, {})
+        made: Callable[..., Any] = copied(function, {})
     except Exception:  # foreign objects may refuse in any way: locks, open files, handles of libraries
         return None
     return made
 
 
-def _copied(x: Any, memo: dict[int, Any]) -> Any:
-    """A copy in which one object, or one variable of several functions, remains one."""
+def copied(x: Any, memo: dict[int, Any]) -> Any:
+    """A copy in which one object, or one variable of several functions, remains one; a module is none of them."""
     if isinstance(x, ModuleType):
         return x
     if not isinstance(x, FunctionType):
@@ -50,6 +50,6 @@ def _cell(cell: CellType, memo: dict[int, Any]) -> CellType:
     if id(cell) not in memo:
         memo[id(cell)] = made = CellType()
         with suppress(ValueError):  # the variable has no value yet
-            made.cell_contents = _copied(cell.cell_contents, memo)
+            made.cell_contents = copied(cell.cell_contents, memo)
     found: CellType = memo[id(cell)]
     return found

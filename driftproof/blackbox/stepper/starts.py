@@ -30,6 +30,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.states.array_adapters import ARRAYS, Foreign, as_array
 from driftproof.blackbox.stepper.states.forms_by_values import state_names_of
 from driftproof.blackbox.stepper.states.handed_slopes import with_own_slope
+from driftproof.blackbox.stepper.states.step_forms import StepForm
 from driftproof.blackbox.stepper.trial_steps import format_of_answers
 
 AS_PARTS = "verify --system MODULE:f --start '1,0,0,0; 0.1,0.2,0.3', in Python system=f, domain=Domain(start='...')"
@@ -124,7 +125,7 @@ class Start:
             given = self._given(self.states[0], row)
             own = with_own_slope(step, (given[0], given[1])) if len(given) == 2 else None
             form = self._form(own or step, {}, row)
-            convention = CallingConvention(MAP, (STATE, TIME, STEP) if form.timed else (STATE, STEP))
+            convention = CallingConvention(MAP, (STATE, TIME, STEP) if len(form.parameters) > 2 else (STATE, STEP))
             subject = ForeignStepper(form, convention, ARRAYS, before=before, after=after)
             for i in range(_HALVINGS):
                 first = partial(ForeignStepper.step_state, y=self.states[0], h=_LONGEST / 2**i)
@@ -151,7 +152,7 @@ class Start:
         found = [(name, cut) for name, cut, of in zip(names, self.cuts, fast, strict=True) if of]
         return [i for _, cut in found for i in range(*cut)], [name for name, _ in found]
 
-    def _form(self, step: Callable[..., Any], others: Mapping[str, float], row: int) -> Any:
+    def _form(self, step: Callable[..., Any], others: Mapping[str, float], row: int) -> StepForm:
         """The step(y, h) or step(y, t, h) of one array; what it takes besides is 1, unless among the `others`.
 
         Its parts are given in rows of so many numbers.
@@ -177,15 +178,19 @@ class Start:
                 raise WrongShape(f"it returns parts of {seen} numbers, which are not those of the start")
             return np.concatenate(found)
 
-        form: Any = moved if times else lambda y, h: moved(y, 0.0, h)
-        form.step, form.others, form.timed = step, beside, bool(times)
         later = zip(known[1:], self.parts[1:], self.cuts[1:], strict=True)
-        form.later = {name: slice(*cut) if n else cut[0] for name, n, cut in later}
-        form.speeds, form.speed_names = self._speeds(known)
-        form.of_others = lambda others: self._form(step, others, row)
-        form.in_rows = lambda: [self._form(step, others, other) for other in self.rows if other > row]
-        form.reading = reading_of({"the state": known, "the time": times, "the step size": [size]}, step)
-        return form
+        speeds, speed_names = self._speeds(known)
+        return StepForm(
+            moved if times else lambda y, h: moved(y, 0.0, h),
+            reading_of({"the state": known, "the time": times, "the step size": [size]}, step),
+            step,
+            others=beside,
+            of_others=lambda others: self._form(step, others, row),
+            in_rows=lambda: [self._form(step, others, other) for other in self.rows if other > row],
+            later={name: slice(*cut) if n else cut[0] for name, n, cut in later},
+            speeds=speeds,
+            speed_names=speed_names,
+        )
 
 
 def _other(step: Callable[..., Any], what: str) -> BadInput:

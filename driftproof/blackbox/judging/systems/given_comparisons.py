@@ -81,7 +81,7 @@ def near(own: GivenSteps, wanted: Specification, about: str = "") -> StepFinding
     digits = f"to {off:.0e} in {len(found)} steps" if off else f"to the last digit in {len(found)} steps"
     turns = ", with velocities between positions" * (splits and own.halves[0].step == 2)
     if splits and own.size % 2:
-        turns = f", its velocities being {' and '.join(own.subject.function.speed_names)}"  # type: ignore[attr-defined]
+        turns = f", its velocities being {' and '.join(own.subject.form.speed_names)}"
     rough = ", with more rounding than sums of these slopes have" * any(one.rough for one in found)
     told = f"is {wanted.method.key} on the system given{about}{turns}{pushed}{own.held.words}, {digits}{rough}"
     left = f"; {counted(len(refused), 'step')} cannot be compared: {refused[0]}" if refused else ""

@@ -47,10 +47,10 @@ class GivenSlopes:
     def of(cls, system: Callable[..., Any] | str, subject: ForeignStepper) -> GivenSlopes:
         """The system, with a value for each parameter of the step that it takes by name: those of defaults are kept."""
         function, kept = imported(system, "system"), _defaults(subject)
-        masses = getattr(subject.function, "masses", None)
+        masses = subject.form.masses
         names = parameters_of(function) or ()
         taken = [each for each in names if each in {**kept, **subject.parameters}]
-        parts = {each: x for each, x in getattr(subject.function, "later", {}).items() if each in names}
+        parts = {each: x for each, x in subject.form.later.items() if each in names}
         if all(each in {*taken, *parts} or role_of(each, (TIME,)) for each in names):  # its y is the whole state
             parts = {}
         plain = [each for each in required_names(function) or ("t", "y") if each not in taken and each not in parts]
@@ -59,8 +59,7 @@ class GivenSlopes:
         values = zip((each for each in taken if each not in kept), cycle(_VALUES))
         held = {each: kept[each] for each in taken if each in kept}
         beside = {} if {*MASSES} & {*held} or masses is None else {"the masses of its bodies": masses}
-        by_parts = getattr(subject.function, "by_parts", False)
-        return cls(function, plain, {**held, **dict(values)}, by_parts, beside, parts)
+        return cls(function, plain, {**held, **dict(values)}, subject.form.by_parts, beside, parts)
 
     @property
     def words(self) -> str:
@@ -123,7 +122,7 @@ class GivenSlopes:
 
 def _defaults(subject: ForeignStepper) -> dict[str, Any]:
     """The numbers that are defaults of the step's parameters, and the masses of bodies, under each of their names."""
-    given = parameters_of(getattr(subject.function, "step", subject.function)) or {}
-    masses = dict.fromkeys(MASSES, getattr(subject.function, "masses", None))  # of bodies that attract each other
+    given = parameters_of(subject.form.step or subject.function) or {}
+    masses = dict.fromkeys(MASSES, subject.form.masses)  # of bodies that attract each other
     known = {name: x for name, x in masses.items() if x is not None}
     return {**known, **{name: x.default for name, x in given.items() if isinstance(x.default, int | float)}}

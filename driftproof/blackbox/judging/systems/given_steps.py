@@ -128,7 +128,7 @@ class GivenSteps(OwnSteps):
     @cached_property
     def sides(self) -> tuple[Any, Any]:
         """The places of positions and of velocities: those of parts of a start, by names, or else the halves."""
-        speeds = getattr(self.subject.function, "speeds", [])
+        speeds = self.subject.form.speeds
         return ([i for i in range(self.size) if i not in speeds], speeds) if speeds else self.halves
 
     @cached_property

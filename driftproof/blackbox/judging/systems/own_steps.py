@@ -166,7 +166,7 @@ class OwnSteps:
         """The right-hand sides, as they are near (0, 0); of more than two numbers only how many these are."""
         if self.size > 2:
             return f"one of {self.size} numbers"
-        names = getattr(self.subject.function, "state_names", ("q", "v"))
+        names = self.subject.form.state_names
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))

@@ -14,6 +14,7 @@ import numpy as np
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.states.array_adapters import Foreign
+from driftproof.blackbox.stepper.states.step_forms import StepForm
 
 # Steps so short that nearly nothing moves by more than this, the second where a system is stiff; and one in which the
 # system does.
@@ -130,25 +131,24 @@ class Numbers:
         return np.array(self._called([*y], t, h), dtype=float)
 
     @property
-    def form(self) -> Callable[..., Any]:
-        """The step(y, h) of an array, with t before h if it takes a time.
-
-        It has the names of its state, which reports use, and what makes it of other parameters or of another size.
-        """
+    def form(self) -> StepForm:
+        """The step(y, h) of an array, with t before h if it takes a time."""
         step = self.step  # which the form itself holds, so that a copy has a copy of it
-        moved: Any = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
-        form: Any = moved if self.times else lambda y, h: moved(y, 0.0, h)
-        form.step, form.others, form.by_parts = self.step, self.others, self.by_parts
-        form.of_others = lambda others: replace(self, others=others).form
-        form.state_names = self.names if len(self.names) > 1 else tuple(f"{self.names[0]}[{i}]" for i in range(2))
+        moved: Callable[..., Foreign] = lambda y, t, h: replace(self, step=step)._moved(y, t, h)
         read = {"the state": self.names, "the time": self.times, "the step size": [self.size]}
-        form.reading = calling.reading_of(read, self.step)
-        if self.cells > 1:
-            form.of_size = lambda size: replace(self, cells=size // len(self.names)).form
-        return form  # type: ignore[no-any-return]
+        return StepForm(
+            moved if self.times else lambda y, h: moved(y, 0.0, h),
+            calling.reading_of(read, self.step),
+            self.step,
+            self.names if len(self.names) > 1 else [f"{self.names[0]}[{i}]" for i in range(2)],
+            self.others,
+            of_others=lambda others: replace(self, others=others).form,
+            of_size=(lambda size: replace(self, cells=size // len(self.names)).form) if self.cells > 1 else None,
+            by_parts=self.by_parts,
+        )
 
 
-def forms_of_an_array(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+def forms_of_an_array(step: Callable[..., Any]) -> Iterator[StepForm]:
     """Yield the step(y, h) of one whose first argument is an array that a very short step leaves nearly as it was.
 
     What it takes besides, as a control, is 1. Where the array is complex, y holds its real parts, then the others.
@@ -177,7 +177,7 @@ def as_reals(z: Foreign) -> Foreign:
     return np.concatenate([np.real(z), np.imag(z)])
 
 
-def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> Callable[..., Any] | None:
+def form_of_more_numbers(step: Callable[..., Any], found: calling.CallingConvention) -> StepForm | None:
     """The form of a step that returns, by their values, more of its arguments than those that names make its state.
 
     Only a step that takes something besides a state is tried, as a copy, so that a step does not notice it.

@@ -30,6 +30,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.states.array_adapters import Foreign
 from driftproof.blackbox.stepper.states.forms_by_values import Numbers, forms_of_an_array
+from driftproof.blackbox.stepper.states.step_forms import StepForm
 
 # Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
 _SIZE, _OUT, _MASS, _BODIES, _SPACE = "size", "out", "mass", "bodies", "space"
@@ -123,9 +124,8 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
             with suppress(Exception):
                 call.see_what_is_left(places)
         if of_force:
-            form: Any = lambda force, q, v, h: call.moved(force, q, v, h)
-            form.unequal_masses = not call.alike and len(call.heavy) > 1
-            yield form
+            unequal = not call.alike and len(call.heavy) > 1
+            yield StepForm(lambda force, q, v, h: call.moved(force, q, v, h), unequal_masses=unequal)
         elif call.stale or springs:
             yield lambda q, v, h: call.moved(None, q, v, h)
         else:  # bodies that attract each other: three in space or in the plane, of unequal masses
@@ -134,10 +134,8 @@ def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
                 call.moved(None, *np.cos(np.arange(np.prod(shape))).reshape(shape), _SHORT)  # type: ignore[call-arg]
             except Exception:
                 call.column = True
-            form = lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
-            if {_BODIES, _MASS} & held:
-                form.masses = np.array(_HEAVY)
-            yield form
+            moved = lambda y, h: np.ravel(call.moved(None, *np.reshape(y, shape), h))  # type: ignore[call-arg]
+            yield StepForm(moved, masses=np.array(_HEAVY) if {_BODIES, _MASS} & held else None)
     elif STATE in held and of_force:
         yield (
             (lambda f, t, y, h: call.solved(f, t, y, h)) if TIME in held else lambda f, y, h: call.solved(f, 0.0, y, h)

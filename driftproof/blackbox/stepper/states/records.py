@@ -24,6 +24,7 @@ from driftproof.blackbox.stepper.states.named_answers import (
     parts_of,
     role_in_state,
 )
+from driftproof.blackbox.stepper.states.step_forms import StepForm
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
@@ -267,15 +268,14 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         yield _form(called, Record("tuple", lambda q, v: (q, v), "q", "v", {}, {}), False, pushed, False)
 
 
-def _with_parameters(step: Callable[..., Foreign], record: Record) -> Any:
+def _with_parameters(step: Callable[..., Foreign], record: Record) -> StepForm:
     """The step(q, v, h) of a record with its system built in, and what makes it of other parameters."""
     free = _form(step, record, False, "", timed := bool(record.clock))
-    form: Any = (lambda q, v, t, h: free(None, q, v, t, h)) if timed else lambda q, v, h: free(None, q, v, h)
-    form.others = {name: x for name, x in record.known.items() if name in record.given}
-    form.of_others = lambda others: _with_parameters(
-        step, dataclasses.replace(record, known={**record.known, **others})
+    return StepForm(
+        (lambda q, v, t, h: free(None, q, v, t, h)) if timed else lambda q, v, h: free(None, q, v, h),
+        others={name: x for name, x in record.known.items() if name in record.given},
+        of_others=lambda others: _with_parameters(step, dataclasses.replace(record, known={**record.known, **others})),
     )
-    return form
 
 
 def _keeps_time(step: Callable[..., Foreign], made: Callable[[float], Foreign], clock: str) -> bool:
