@@ -238,7 +238,10 @@ class Checkpoint:
             {
                 "sweep": scene.name,
                 "driftproof": __version__,
-                **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t", "start", "readouts")},
+                **({"problem": scene.problem.title} if scene.problem else {}),
+                **{name: strings(getattr(scene, name)) for name in ("selected", "h", "t")},
+                "start": strings(scene.problem.start if scene.problem else scene.start),
+                "readouts": scene.readouts,
                 "definition": digest((scene.problem, [*map(scene.method, grid.get("selected", [scene.selected]))])),
                 "grid": [[name, strings(values)] for name, values in grid.items()],
             }

@@ -62,7 +62,9 @@ def runs_of(
 def scene_json(scene: Scene, shown: dict[str, Any]) -> dict[str, Any]:
     """The shown scene with every number a string: repr for floats, so that they read back to the same bits."""
     header: dict[str, Any] = {name: getattr(scene, name) for name in ("selected", "h", "t")}
-    header |= {"start": scene.start} if scene.problem is None else {"problem": scene.problem.key}
+    header |= {"start": scene.start}
+    if scene.problem is not None:  # its title names the values of its parameters
+        header |= {"problem": scene.problem.key, "title": scene.problem.title, "start": scene.problem.start}
     header |= {"started": starts} if (starts := starts_of(scene)) else {}
     return dict(strings({"scene": scene.name, **header, **shown}))
 

@@ -129,7 +129,9 @@ def sweep_text(scene: Scene, found: list[SweepAnswer]) -> str:
         cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
         rows.append([*map(_shown, values.values()), *cells])
     note = scene.problem.energy_note if scene.problem and {ENERGY_ERROR, LARGEST_ERROR} & {*names} else ""
-    return "\n\n".join(filter(None, [f"{scene.name}: {counted(len(found), 'point')}", table(rows), note]))
+    title = scene.problem.title.replace(scene.problem.key, scene.name) if scene.problem else scene.name
+    name = title if title.startswith(scene.name) else f"{scene.name} ({title})"  # with other values of parameters
+    return "\n\n".join(filter(None, [f"{name}: {counted(len(found), 'point')}", table(rows), note]))
 
 
 def _shown(value: Any) -> str:

@@ -69,6 +69,18 @@ def test_certify_and_sweep_take_other_parameters(tmp_path, answer, refusal):
     about = "--parameters", "k=2"
     assert "16 correct digits" in answer("certify", str(mine), str(run), *about)
     swept = "sweep", str(mine), "--methods", "rk4", "--h", "1/4"
-    assert answer(*swept) != answer(*swept, *about)
+    assert answer(*swept).startswith("mine: 1 point")
+    assert answer(*swept, *about).startswith("mine with k = 2: 1 point")
+    for given in (("--parameters", "k=1", *about), ("--parameters", "k=1,k=2")):
+        assert "k has one value at a time, but is given 1 and 2 " in refusal(*swept, *given)
+    head = {
+        "problem": f"{mine} with k = 2",
+        "start": ["1"],
+        "readouts": ["state_error", "largest_error", "evaluations"],
+    }
+    answer(*swept, *about, "-o", str(kept := tmp_path / "kept.jsonl"))
+    found = json.loads(answer(*swept, *about, "--format", "json"))
+    assert (found["title"], found["start"]) == (head["problem"], head["start"])
+    assert json.loads(kept.read_text().splitlines()[0]).items() >= head.items()
     assert "unknown parameter 'c'" in refusal(*swept, "--parameters", "c=2")
     assert "a scene has none to change" in refusal("sweep", "default", "--h", "1/4", *about)
