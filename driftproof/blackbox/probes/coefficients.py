@@ -5,11 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.numbers.number_field import Exact
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 
 # The most characters of an exact number; a longer one is shown as a decimal.
 _LONGEST_SHOWN = 24
+# Chosen: as many units in the last place are counted; more of them show in a number of sixteen digits.
+_UNITS_COUNTED = 100
 
 
 def is_nearest(x: float, exact: Exact, fmt: FloatFormat) -> bool:
@@ -38,8 +41,11 @@ def exact_shown(exact: Exact) -> str:
 
 
 def coefficient_difference(name: str, seen: float, exact: Exact, fmt: FloatFormat, slack: float = 0.0) -> str:
-    """A line on one coefficient that is not the exact one."""
-    return f"{name}: {coefficient_text(seen, fmt, slack)} instead of {exact_shown(exact)}"
+    """A line on one coefficient that is not the exact one; where that is hard to see, with how far it is away."""
+    off, spacing = abs(seen - float(exact)), 2 * float(half_spacing(seen, fmt))
+    close = 0 < spacing <= off <= _UNITS_COUNTED * spacing
+    away = f" (about {counted(round(off / spacing), 'unit')} in its last place away)" if close else ""
+    return f"{name}: {coefficient_text(seen, fmt, slack)} instead of {exact_shown(exact)}{away}"
 
 
 # An interval of width w holds a rational of denominator up to d with a chance of about d² w; at most 1 in this many.

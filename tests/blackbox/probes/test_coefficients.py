@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.blackbox.probes.coefficients import (
+    coefficient_difference,
     coefficient_text,
     exact_shown,
     half_spacing,
@@ -71,6 +72,20 @@ def test_half_the_spacing_is_u_at_one_and_the_next_float_is_twice_as_far():
     for x in (1.0, 1.5, 0.1, 1e300, 5e-324):
         assert 2 * half_spacing(x, BINARY64) == Q(float(np.nextafter(x, np.inf))) - Q(x)
     assert half_spacing(1.0, BINARY16) == BINARY16.u
+
+
+@pytest.mark.parametrize(
+    ("seen", "exact", "line"),
+    [
+        (-3.4142135623731036, -2 - square_root(2), " (about 20 units in its last place away)"),
+        (0.25 + 2.0**-54, Q(1, 4), " (about 1 unit in its last place away)"),
+        (0.25 + 2.0**-20, Q(1, 4), ""),
+        (0.5, Q(1, 4), ""),
+    ],
+)
+def test_how_far_a_coefficient_is_away_is_told_where_that_is_hard_to_see(seen, exact, line):
+    told = coefficient_difference("A[1][0]", seen, exact, BINARY64)
+    assert told.partition(str(exact))[2] == line
 
 
 def test_a_long_exact_number_is_shown_as_a_decimal():
