@@ -36,6 +36,7 @@ from driftproof.methods.numbers.common_field import common_field, element_of
 from driftproof.methods.numbers.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import did_you_mean
 from driftproof.support.toml_tables import (
     TomlTable,
     as_choice,
@@ -97,6 +98,9 @@ _OF_PAPERS = {
 
 def _method(table: TomlTable, name: str) -> Method | Family | FurtherMethod:
     """The method or family that a TOML table defines; `name` is its key if the table has none. Raises ValueError."""
+    meant = next((key for key in table if key != "family" and did_you_mean(key.lower(), ["family"])), None)
+    if "family" not in table and meant is not None:
+        raise MethodError(f"rename {quoted(meant)} to family")
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
     entries, build = _PARAMETRIC if parametric else _FAMILIES[family]

@@ -46,6 +46,9 @@ def imported_object(named: str, what: str) -> Any:
         raise ValueError(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
     if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
         dotted = re.fullmatch(r"([^\W\d][\w.]*)\.(\w+)", named)
+        if named.endswith(".toml"):
+            facts = f"`driftproof facts {named}` tells what a method in a file is"
+            raise ValueError(f"{named!r} is a table, and no {what}, which is code, package.module:function; {facts}")
         example = f", perhaps {dotted[1]}:{dotted[2]}" if dotted else ""
         raise ValueError(f"{named!r} names no {what}; write package.module:function{example}")
     if os.getcwd() not in sys.path:  # and it stays there: what is imported may import its neighbours when it is called

@@ -114,6 +114,9 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "b = [1]", "A is missing"),
     (HEAD + "A = [[1/2]]\nb = [1]", 'Unclosed array (at line 2, column 8); write a fraction in quotes, "1/2"'),
     (HEAD + "A = [[0, 0], [1, 0]]\nb = [1, 0]\nb_hat = [1, 0]", "rename 'b_hat' to b_embedded"),
+    ("Family = 'runge_kutta'\nA = [[0]]\nb = [1]", "rename 'Family' to family"),
+    ("famly = 'runge_kutta'\nA = [[0]]\nb = [1]", "rename 'famly' to family"),
+    ("Stages = 1\nA = [[0]]\nb = [1]", "family is missing"),
     (HEAD + "A = [[0, 0], [1, 0]]\nw = [1, 0]", "(`driftproof facts --help` shows one)"),
     ('family = "splitting"\na = [1]\nb = [1]', "has no key 'a'; its keys are family, "),
     (

@@ -48,6 +48,7 @@ NO_NAMES = {
     "mine.py:step": "names a file; write mine:step$",
     "codes/own.py:step": "names a file; write codes.own:step$",
     "codes.own.step": "names no stepper; write package.module:function, perhaps codes.own:step$",
+    "mine/rk4.toml": "is a table, and no .*; `driftproof facts mine/rk4.toml` tells what",
     "step": "names no stepper; write package.module:function$",
     "a-b.c": "names no stepper; write package.module:function$",
     "a:b c": "names no stepper; write package.module:function$",
