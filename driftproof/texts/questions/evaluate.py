@@ -315,7 +315,7 @@ def vocabulary() -> str:
     parts = {
         "readouts of step and run": [*RUN_READOUTS, "k1.q", "k1.v", "..."],
         "readouts of exact": [*EXACT_READOUTS],
-        "readouts on a problem": [*PROBLEM_READOUTS],
+        "readouts on a problem, whose errors have no sign": [*PROBLEM_READOUTS],
         "units of phase_error": [*UNITS],
         "facts": [*FACT_NAMES],
         "functions and constants": [*NUMBER_FUNCTIONS, *CONSTANTS],
