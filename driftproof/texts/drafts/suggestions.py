@@ -17,7 +17,7 @@ from driftproof.texts.claims.phrases import NumberForm, digits_of, digits_told, 
 from driftproof.texts.drafts.look_alikes import BESIDE, LookAlike, LookAlikes, printed, without_sizes
 from driftproof.texts.drafts.possible_values import SHARE, SIZE, KnownValue
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.readers.number_words import is_trend, opposite
+from driftproof.texts.readers.number_words import is_said_of, is_trend, opposite
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.words.contradictions import asked_quantity, asked_settings, sentence_around
 from driftproof.texts.words.heads import LIMIT_OF_STEPS, fact_in_column
@@ -83,7 +83,10 @@ class Suggestions(LookAlikes):
         own = self.fact_spelled(fact, form_of(word)) if (fact := self._fact_at(word)) else []
         if fact and not own and not is_trend(word.text):  # for every h, and there is a limit
             own = self.fact_spelled(fact, NumberForm(digits=4))
-        return {fact: opposite(word.text) or own[0]} if fact and own and word.text not in own else {}
+        if not (fact and own) or word.text in own:
+            return {}
+        alike = (each for each in own if is_said_of(each) == is_said_of(word.text))  # second, beside third, not two
+        return {fact: opposite(word.text) or next(alike, own[0])}
 
     def _asked_at(self, number: TextNumber) -> set[str]:
         """The questions of the author that may have their values here."""

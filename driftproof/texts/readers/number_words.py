@@ -53,6 +53,10 @@ _SAID = re.compile(
     r"|(?:lower|higher|smaller|larger|less|greater)(?= than (?:the )?(?:exact|true)\b))\b",
     re.IGNORECASE,
 )
+# Beside an order in the same sentence, that of another method, as in "RK4 is of fourth order, Heun of second".
+_ORDINAL = "|".join(("first", "second", "third", "fourth", *(_PARTS[n] for n in range(5, 11))))
+_OF_ORDINAL = re.compile(rf"(?<=\bof )(?:{_ORDINAL})(?= ?(?:[.,;:)]|\Z)| and\b)", re.IGNORECASE)
+_OF_ORDER = re.compile(rf"\b(?:{_ORDINAL})[ -]order\b", re.IGNORECASE)
 _CHANGES = "|".join(f"{_TRENDS[1]} {_TRENDS[-1]}".split())
 _CHANGE = re.compile(rf"\b(?:{_CHANGES})\b", re.IGNORECASE)
 # Every word that a number could stand for, and neither, as in "neither A- nor L-stable".
@@ -127,6 +131,11 @@ def said_of(number: str) -> list[str]:
     return [form for word in _IN_SENTENCES.get(number, "").split() for form in (word, word.capitalize())]
 
 
+def is_said_of(text: str) -> bool:
+    """True for a word that only a sentence makes a number."""
+    return re.fullmatch(WORD_OF_SENTENCE, text, re.IGNORECASE) is not None
+
+
 def worded_trend(sign: int) -> list[str]:
     """The words for a change, or a difference, of this sign: 1 grows, -1 shrinks, 0 stays."""
     return [form for word in f"{_TRENDS[sign]} {_COMPARED[sign]}".split() for form in (word, word.capitalize())]
@@ -156,7 +165,7 @@ def opposite(text: str) -> str:
 
 def is_worded(text: str) -> bool:
     """True if the whole text is one number or one trend in words."""
-    return is_trend(text) or re.fullmatch(rf"{WORDED_NUMBER}|{WORD_OF_SENTENCE}", text, re.IGNORECASE) is not None
+    return is_trend(text) or is_said_of(text) or re.fullmatch(WORDED_NUMBER, text, re.IGNORECASE) is not None
 
 
 def words_in(text: str) -> list[TextWord]:
@@ -168,7 +177,12 @@ def words_in(text: str) -> list[TextWord]:
 def words_said_in(text: str) -> list[TextWord]:
     """The words by which a sentence may say a fact: whole numbers, ordinals, factors and directions, in order."""
     found = chain.from_iterable(words.finditer(text) for words in (_WHOLE_NUMBER, _CHANGE, _SAID))
-    return sorted(TextWord(*match.span(), match[0]) for match in found)
+    listed = (m for m in _OF_ORDINAL.finditer(text) if _OF_ORDER.search(_sentence_of(text, m.start())))
+    return sorted(TextWord(*match.span(), match[0]) for match in chain(found, listed))
+
+
+def _sentence_of(text: str, place: int) -> str:
+    return re.split(r"[.?!]\s", text[:place])[-1] + re.split(r"[.?!]\s", text[place:], maxsplit=1)[0]
 
 
 def _cardinal(n: int) -> str:

@@ -141,8 +141,8 @@ def fact_said(
         return None
     if re.search(r"(?<![|\w])r\((?:∞|oo)\) ?= ?\Z", before):
         return fact_of("limit_at_infinity", own or last_methods_named(before))
-    has = r"(?::|,| has| is| have)?(?: (?:a|the|\w+'s)(?: \w+)? method)?(?: (?:of|the|a))*"
-    found = name_before(re.sub('["“”]', "", flat(before)), rf"{has} +order (?:is |= ?)?")
+    has = r"(?::|,?(?: with)?| has| is| have)?(?: (?:a|the|\w+'s)(?: \w+)? method)?(?: (?:of|the|a))*"
+    found = name_before(re.sub('["“”]', "", flat(before)), rf"(?:{has} +| \()order (?:is |= ?)?")
     if re.search(r"\borders (?:of |are |= ?)?(?:[0-9]+(?:, ?| )(?:and )?)*\Z", before) and own:
         return fact_of("order", own)
     only = found and not re.match(r" ?(?:\(|to\b|or\b|[-+*/^])", after)

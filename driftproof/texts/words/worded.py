@@ -28,7 +28,11 @@ _OF_PART = re.compile(
 )
 _IS_OF = r" (?:is|was)(?: also| indeed)?(?: an?| of(?: the)?)? "
 _ARE_OF = r" (?:are|were)(?: also| both| all)? of(?: the)? "
-_SAID_BEFORE = re.compile(r" (?:is|are|was|were)(?: also| both| all)? of(?: the)? \w+ order\b")
+_OF_WORD = r" (?:is|are|was|were)(?: also| both| all)? of(?: the)? \w+"
+_SAID_BEFORE = re.compile(rf"{_OF_WORD} order\b")
+_LISTED_BEFORE = re.compile(rf"{_OF_WORD}(?: order\b|,| and )| (?:is|was) an? \w+ order\b")
+# Behind an order whose word stands at another method of the sentence.
+_ENDS_LISTED = re.compile(r" ?(?:[.,;:)]|\Z)| and ")
 # Behind the order of a method, before what follows of it: ", so that", ":".
 _FOLLOWS = r"[:,]?(?: (?:so|and|that|hence|thus|then|is))*:? *"
 _ABOUT = r"(?:about |roughly |nearly |almost |approximately )?"
@@ -40,7 +44,7 @@ _ENDS_NAME = (
     r"(?:'s)?(?: ?(?:[.,;:()|]|\Z)| (?:methods?|rules?|schemes?|formulas?|integrators?|steps?|is|was|has|had|and|or|"
     r"but|with|for|at|on|in|to|of|needs?|gives?|uses?|takes?|makes?|reaches|does|can|will|which|that|as|by|than)\b)"
 )
-_ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| method| scheme| integrator)")
+_ENDS_ORDER = re.compile(r" order(?= ?[,;:)]|\.?\s*\Z| and | but | accura| method| scheme| integrator| ones?\b)")
 # Before a step that gets smaller, or larger; and the step sizes from one to another.
 _GETS = {
     -1: re.compile(
@@ -76,14 +80,16 @@ def fact_in_word(word: str, before: str, after: str, equation: Linear | None) ->
     steps, before = before, _GETS[-1].sub("", _GETS[1].sub("", before))
     if OF_SOMETHING_ELSE.search(before):
         return None
-    if after.startswith(" order"):
+    if after.startswith(" order") or (before.endswith(" of ") and _ENDS_LISTED.match(after)):
         clause = re.split(r", (?:and|but|while|whereas) ", before)[-1]  # of a method that it names itself
         if _OF_PART.search(clause) or IN_DOUBT.search(before) or OF_SOMETHING_ELSE.search(re.split("[.,;:]", after)[0]):
             return None
-        verb = rf"{_IS_OF}| of " if _SAID_BEFORE.search(before) else _IS_OF  # RK4 is of fourth order, Heun of second
-        name = name_before(before, verb) if _ENDS_ORDER.match(after) else None
+        # RK4 is of fourth order, Heun of second
+        verb = rf"{_IS_OF}| (?:of|an?) " if _LISTED_BEFORE.search(before) else _IS_OF
+        ends = _ENDS_ORDER.match(after) or _ENDS_LISTED.match(after)
+        name = name_before(before, verb) if ends else None
         name = name or (_name_behind(after, _CALLED, _ENDS_NAME) if adjective and not before.endswith("'s ") else None)
-        listed = names_before(before, _ARE_OF) if _ENDS_ORDER.match(after) else []
+        listed = names_before(before, _ARE_OF) if ends else []
         own = methods_named(name) if name else methods_named(", ".join(listed)) if listed[1:] else set[str]()
         return fact_of("order", own) if own else None
     if found := re.search(r"\bstable (?:for|at|with) \Z", before):

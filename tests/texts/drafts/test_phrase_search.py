@@ -48,7 +48,7 @@ def test_phrase_that_would_be_too_long_is_not_drafted():
 
 def test_a_slip_for_which_no_phrase_can_be_drafted_is_named():
     text = draft(document_of("Halving the step size doubles the error of Euler's method."), "a")
-    slip = "# line 1: doubles is perhaps a slip: 1/power(2, order forward_euler) is half\n"
+    slip = "# line 1: doubles is perhaps a slip: 1/power(2, order forward_euler) is halves\n"
     assert f"{slip}# line 1, column 23: no phrase can be drafted for doubles" in text
 
 
