@@ -70,15 +70,15 @@ NOT_ELSEWHERE = "sympy"
 # (blackbox: thirty kinds of wrong steps, steps of every calling convention, wrappers that are tried out), what a text
 # may print (texts: tables, problems, calculations), and one function for each command with answers that print.
 BUDGETS = {
-    "support": 1341,
-    "methods": 5641,
+    "support": 1344,
+    "methods": 5645,
     "symbolic": 10698,
     "numeric": 4742,
-    "blackbox": 25036,
+    "blackbox": 25042,
     "enclosure": 5861,
     "texts": 11862,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 6499
+BUDGET_OF_REPORTS_AND_FRONT = 6528
 # Who adds a table, a problem or a question need not pay for it at once: so many lines above a number are no fault. A
 # number that is set is the true one, so that they are not counted in.
 AIR = 12
