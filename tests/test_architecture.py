@@ -75,7 +75,7 @@ BUDGETS = {
     "symbolic": 10698,
     "numeric": 4742,
     "blackbox": 25042,
-    "enclosure": 5861,
+    "enclosure": 5879,
     "texts": 11862,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 6528
