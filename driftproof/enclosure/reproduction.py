@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -48,6 +49,8 @@ _CALLED_AGAIN = "in a second call, with the time as a NumPy number, not a float"
 # The number of places around a start; chosen: states differ by up to 8 from it, or by eight times its size, and are no
 # round numbers, at which f may jump.
 _PLACES, _NOT_ROUND = 12, 0.8137
+# As Python says it of x, y, z = state; of so many components more than the trajectory's f is tried.
+_UNPACKS, _MORE_COMPONENTS = re.compile(r"too many values to unpack \(expected (\d+)"), 8
 _LOST = "f in floats keeps no more digits of it; write it so that it does, as 2*sin(x/2)**2 for 1 - cos(x)"
 _NONE = arb(0)
 
@@ -218,4 +221,19 @@ def _rates_in_floats(f: RightHandSide, t: float, y: Sequence[float]) -> list[flo
             held = [*signature(f.func).parameters][2:] if isinstance(f, partial) and f.keywords else []
             more = f"its parameters are {', '.join(held)}" if held else "see functools.partial"
             raise ValueError(f"f must take (t, y) and return numbers: {said}; {more}") from None
+        if (taken := _components_taken(f, t, y, said)) is not None:
+            raise ValueError(f"f fails on the {len(y)} components that it is given, not on {taken}; {said}") from None
         raise Refused(f"f fails in floats at t = {t}, on {len(y)} components: {said}") from None
+
+
+def _components_taken(f: RightHandSide, t: float, y: Sequence[float], said: str) -> int | None:
+    """The number of components on which f does not fail as `said`; None if it fails on others, too.
+
+    More are tried with y repeated, so that all that f may fail on is still there, and fewer if f itself tells them.
+    """
+    fewer = [int(told[1]) for told in [_UNPACKS.search(said)] if told]
+    for n in fewer or range(len(y) + 1, len(y) + 1 + _MORE_COMPONENTS):
+        with suppress(Exception):
+            if np.size(f(t, np.resize(np.array(y), n))) == n:
+                return n
+    return None

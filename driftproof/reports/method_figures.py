@@ -13,9 +13,16 @@ from driftproof.methods.schemes import Method
 from driftproof.reports.page.figure import write_picture
 from driftproof.reports.page.markup import element
 from driftproof.reports.page.plot import SQUARE, WIDE, Plot, linear, place
+from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.linear.oscillator import energy_multiplier_of, stability_function_of
+from driftproof.symbolic.linear.oscillator import (
+    area_factor,
+    energy_multiplier_of,
+    matrix_trace,
+    oscillator_matrix,
+    stability_function_of,
+)
 from driftproof.symbolic.linear.region import boundary_points
 
 # Certified points on the boundary: 2 count + 1 values of Re R(z).
@@ -23,7 +30,7 @@ _POINTS = 24
 # Rows and columns of a shaded square: a row is one unit of the picture high, a column half a unit wide.
 _ROWS, _COLUMNS = 264, 528
 # Values of h at which phase and growth are computed.
-_VALUES = 601
+_H = np.linspace(0, 3, 601)[1:]
 # The boundary of an A-stable method goes to infinity; points farther from 0 than this are not drawn.
 _FARTHEST = 12
 # Lines of the phase picture are cut off at this size; log |R(ih)| is infinite at a zero of R(ih).
@@ -33,11 +40,15 @@ _Legend = list[tuple[str, str]]
 
 
 def draw_method(picture: str, method: Method, path: Path) -> Path:
-    """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
+    """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z).
+
+    The phase picture of such a method is that of the eigenvalues of its one-step matrix M(h).
+    """
     r = stability_function_of(method)
-    if r is None:
-        raise ValueError(f"{method.key} has no stability function to draw: it is not a Runge-Kutta method")
-    plot, words, legend = PICTURES[picture](r)
+    if r is None and picture != "phase":
+        why = "it is not a Runge-Kutta method; --picture phase draws the eigenvalues of its one-step matrix"
+        raise ValueError(f"{method.key} has no stability function to draw: {why}")
+    plot, words, legend = _phase_of_matrix(oscillator_matrix(method)) if r is None else PICTURES[picture](r)
     return write_picture(path, method.title, words, f"{method.title}: {words}", [plot], legend)
 
 
@@ -59,17 +70,34 @@ def _order_star(r: RationalFunction) -> tuple[Plot, str, _Legend]:
 
 
 def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
-    h = np.linspace(0, 3, _VALUES)[1:]
     with np.errstate(divide="ignore"):
-        growth = np.log(_values(energy_multiplier_of(r), h * h)) / 2
-    dispersion = np.unwrap(np.angle(_values(r, 1j * h))) - h
-    lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
+        growth = np.log(_values(energy_multiplier_of(r), _H * _H)) / 2
+    dispersion = np.unwrap(np.angle(_values(r, 1j * _H))) - _H
+    return _lines((dispersion, growth), "dispersion: arg R(ih) - h", "dissipation: log |R(ih)|")
+
+
+def _phase_of_matrix(m: StepMatrix) -> tuple[Plot, str, _Legend]:
+    """The angle of the eigenvalues up to the first h at which they are real, and the size of the larger one."""
+    half, area = _values(matrix_trace(m), _H) / 2, _values(area_factor(m), _H)
+    off = half * half - area
+    turning = np.logical_and.accumulate(off < 0)
+    angle = np.arctan2(np.sqrt(np.maximum(-off, 0)), half)
+    with np.errstate(divide="ignore"):
+        growth = np.log(np.where(off < 0, np.sqrt(np.abs(area)), np.abs(half) + np.sqrt(np.maximum(off, 0))))
+    words = "dispersion: angle of the eigenvalues of M(h) - h", "dissipation: log |larger eigenvalue of M(h)|"
+    return _lines((np.where(turning, angle - _H, np.nan), growth), *words)
+
+
+def _lines(curves: Sequence[Any], *labels: str) -> tuple[Plot, str, _Legend]:
+    lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in curves]
     every = np.concatenate([*lines, [0.0]])
-    low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
+    ends = np.nanmin(every) - 0.05, np.nanmax(every) + 0.05
+    low, high = (Fraction(float(x)).limit_denominator(1000) for x in ends)
     plot = Plot(linear(Fraction(0), Fraction(3), "step size h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
-    for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
-        plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
-    legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]
+    marks = ("path m3", "path m0")
+    for line, mark in zip(lines, marks, strict=True):
+        plot.line([(x, y) for x, y in zip(_H, line, strict=True) if np.isfinite(y)], mark)
+    legend = [(f"line {mark}", label) for mark, label in zip(marks, labels, strict=True)]
     return plot, "on q' = v, v' = -q", legend
 
 

@@ -248,6 +248,11 @@ def smooth_in_floats_only(t, y):
     return np.asarray(y * 0.5) if isinstance(y[0], float) else y
 
 
+def three_compartments(t, y):
+    s, i, r = y
+    return [-s * i, s * i - r, r]
+
+
 REFUSED = {
     r"times must increase, but t\[2\] = 1.0 is not above t\[1\] = 1.0": (decay, [0, 1, 1], [[1], [1], [1]]),
     r"t\[1\] = 0\.0 is not above t\[0\] = 1\.0; of a run backwards give .*-f\(-s, y\)": (decay, [1, 0], [[1], [2]]),
@@ -261,6 +266,8 @@ REFUSED = {
     r"f fails in floats at t = 0\.0, on 1 components: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
     r"f fails in floats at t = 0\.0, on 3 components: TypeError: .* takes 2 ": (
         lambda t, y: (lambda q, v: [v, -q])(*y), [0, 1], [[1.0, 2.0, 3.0]] * 2),
+    r"f fails in floats at t = 0\.0, on 2 components: IndexError": (  # for a number in y, not for how many there are
+        lambda t, y: [(0.0, 1.0)[int(x)] for x in y], [0, 1], [[1.0, 2.0]] * 2),
     r"f fails in floats at t = 0\.0, on 1 components: ZeroDivisionError": (
         lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
     r"f compares numbers that are equal near t = 0; .*it may touch or follow it; as it starts there": (
@@ -274,6 +281,12 @@ REFUSED = {
 BAD_INPUT = {
     r"f is not a right-hand side but a NoneType; give f\(t, y\) or its text": (None, [0, 1], [[1], [1]]),
     r"^t is text; give t and y as arrays of numbers, or in their place the path of one file$": (decay, "t", "y"),
+    r"f fails on the 2 components that it is given, not on 3; ValueError: not enough values to unpack .*3, got 2": (
+        three_compartments, [0, 1], [[0.9, 0.1]] * 2),
+    r"f fails on the 4 components that it is given, not on 3; ValueError: too many": (
+        three_compartments, [0, 1], np.ones((2, 4))),
+    r"f fails on the 1 components that it is given, not on 2; IndexError": (
+        lambda t, y: [y[1], -y[0]], [0, 1], [[1.0], [1.0]]),
     r"f has 2 components, but the trajectory has 3": ("y1; -y0", [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f returns 2 numbers for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f returns 3 numbers for 1 components": (

@@ -2,14 +2,16 @@
 
 import re
 from dataclasses import replace
-from math import atan, exp, hypot, log, sqrt
+from math import acosh, asin, atan, exp, hypot, log, sqrt
 from xml.etree import ElementTree
 
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.reports.method_figures import PICTURES, draw_method
-from driftproof.symbolic.linear.oscillator import stability_function_of
+from driftproof.reports.method_figures import PICTURES, _phase_of_matrix, draw_method
+from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of
+from driftproof.symbolic.linear.phase import angle_error_series, damping_series
 from driftproof.symbolic.linear.region import boundary_points
 from tests.looping import exactly, some
 
@@ -22,8 +24,10 @@ def test_picture_is_whole_and_the_same_bytes_each_time(kind, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["1.svg", "2.svg"]
 
 
-def test_splitting_has_no_picture_and_no_file_is_left(tmp_path):
-    with pytest.raises(ValueError, match="symplectic_euler has no stability function to draw"):
+def test_splitting_has_no_region_to_draw_and_no_file_is_left(tmp_path):
+    assert "eigenvalues of M(h)" in draw_method("phase", METHODS["symplectic_euler"], tmp_path / "x.svg").read_text()
+    (tmp_path / "x.svg").unlink()
+    with pytest.raises(ValueError, match=r"symplectic_euler has no stability function to draw: .* --picture phase"):
         draw_method("region", METHODS["symplectic_euler"], tmp_path / "x.svg")
     assert list(tmp_path.iterdir()) == []
 
@@ -71,17 +75,38 @@ def picture(kind, method):
     return PICTURES[kind](stability_function_of(method))[0]
 
 
+def lines_are(plot, **curves):
+    """Whether the lines of a phase picture are these functions of h, up to these of its 600 steps to h = 3."""
+    for name, path in exactly(2, re.findall('class="path (.*?)" d="M(.*?)"', "".join(plot.drawn))):
+        places, (curve, steps) = [tuple(map(float, place.split())) for place in path.split("L")], curves[name]
+        h = [i / 200 for i in range(1, steps + 1)]
+        assert [x for x, _ in places] == pytest.approx([52 + 346 * x / 3 for x in h], abs=0.006)
+        assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curve(x))) for x in h], abs=0.006)
+
+
 def test_phase_and_growth_are_those_of_the_step():
-    """Forward Euler's R(ih) = 1 + ih turns by atan h and is sqrt(1 + h²) long; up to h = 3, in 600 steps."""
+    """Forward Euler's R(ih) = 1 + ih turns by atan h and is sqrt(1 + h²) long; up to h = 3."""
     plot = picture("phase", METHODS["forward_euler"])
     low, high = plot.y.scale.low, plot.y.scale.high
     assert (low, high) == (pytest.approx(atan(3) - 3 - 0.05, abs=1e-3), pytest.approx(log(10) / 2 + 0.05, abs=1e-3))
-    curves = {"m3": lambda h: atan(h) - h, "m0": lambda h: log(1 + h * h) / 2}
-    for name, path in exactly(2, re.findall('class="path (.*?)" d="M(.*?)"', "".join(plot.drawn))):
-        places = [tuple(map(float, place.split())) for place in path.split("L")]
-        h = [i / 200 for i in range(1, 601)]
-        assert [x for x, _ in places] == pytest.approx([52 + 346 * x / 3 for x in h], abs=0.006)
-        assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curves[name](x))) for x in h], abs=0.006)
+    lines_are(plot, m3=(lambda h: atan(h) - h, 600), m0=(lambda h: log(1 + h * h) / 2, 600))
+
+
+def test_phase_of_a_splitting_is_drawn_while_it_turns_and_its_growth_beyond():
+    """Verlet turns by 2 asin(h/2) up to h = 2; there its eigenvalues, -a ± sqrt(a² - 1), a = h²/2 - 1, become real."""
+    plot = _phase_of_matrix(oscillator_matrix(METHODS["velocity_verlet"]))[0]
+    growth = lambda h: acosh(max(1, h * h / 2 - 1))
+    lines_are(plot, m3=(lambda h: 2 * asin(h / 2) - h, 399), m0=(growth, 600))
+
+
+def test_phase_of_a_nystrom_method_is_that_of_its_series():
+    """At h = 1, where thirty terms are enough, in units of the picture, of which its file has hundredths."""
+    plot = _phase_of_matrix(m := oscillator_matrix(METHODS["nystrom4"]))[0]
+    drawn = re.findall('class="path .*?" d="M(.*?)"', "".join(plot.drawn))
+    for path, series in exactly(2, zip(drawn, (angle_error_series, damping_series), strict=True)):
+        value = sum(float(exact(c)) for c in series(m, 30))
+        places = [float(x) for x in path.split("L")[199].split()]
+        assert places == pytest.approx([52 + 346 / 3, float(plot.y.scale(value))], abs=0.006)
 
 
 def test_an_axis_of_phases_is_as_long_as_they_are_and_shows_zero():

@@ -133,11 +133,14 @@ def _fewest_calls(curve: Curve, goal: float) -> int:
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:
-    """A row for each run, with the largest of its errors if any run was looked at on the way."""
+    """A row for each run of the doublings, with the largest of its errors if any run was looked at on the way.
+
+    What the runs between them show, the fewest steps for an error, is told in words below the figure.
+    """
     on_the_way = any(point.errors and point.errors[STATE].looks > 1 for curve in found for point in curve.points)
     rows = [["Method", "steps", cost, "error", *["largest on the way"] * on_the_way]]
     for curve in found:
-        for point in curve.points:
+        for point in (each for each in curve.points if not each.between):
             spent = "–" if point.evaluations is None else str(point.evaluations)
             sizes = [short(size) for size in point.errors[STATE][: 1 + on_the_way]] if point.errors else [point.remark]
             rows.append([curve.title, str(point.steps), spent, *sizes, *[""] * (len(rows[0]) - 3 - len(sizes))])

@@ -186,7 +186,7 @@ def _problem_answer(
     context: QueryContext, method: Method | StartedMultistep | None, h: Fraction, t: Fraction
 ) -> Answer:
     """Answer for a problem by name, or for y' = f(t, y) with its rates written out."""
-    from driftproof.texts.questions import problems
+    from driftproof.texts.questions import kept_energies, problems
 
     query, named = context.query, context.about_problem
     if query.problem and query.rates:
@@ -202,7 +202,9 @@ def _problem_answer(
             raise context.error(None, f"start {error.text}: {error.reason}") from None
         run = problems.problem_run(method, problem, start or None, h, t)
     with context.refused(query.readout):
-        return context.readout(problems.problem_readouts(run, problem.unknowns))(run)
+        found = context.readout(problems.problem_readouts(run, problem.unknowns))(run)
+    of_change = query.readout is not None and query.readout.text in kept_energies.CHANGES_OF_ENERGY
+    return replace(found, remark=kept_energies.energy_remark(run)) if of_change else found
 
 
 def _problem(context: QueryContext) -> ProblemTable:

@@ -51,6 +51,8 @@ def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_t
     assert figure.description.endswith("C: from 0.001 at 32 to 5.0e-7 at 128.")
     drawn = [figure.markup().count(f'class="{name} ') for name in ("path", "dots", "own")]
     assert drawn == [2, 1, 1]  # the path also in the legend
+    among = replace(found[0], points=[*found[0].points, replace(found[0].points[0], between=True, steps=17)])
+    assert work_figure([among], "id", Q(1), 16) == figure  # without the runs that a goal is looked for with
 
 
 def test_errors_far_beyond_the_solution_are_counted_and_do_not_stretch_the_axis():
