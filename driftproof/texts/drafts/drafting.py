@@ -38,6 +38,7 @@ _MOST_READ = 12
 _DOUBT = re.compile(rf"(?m)^# ((?:cell [0-9]+, )?line [0-9]+)(?: of its output)?: (.+?) {SLIP} (.+)$")
 # What it says of a table without a right number.
 _OF_TABLE = "numbers of this table are off:"
+_ENERGY = re.compile("(energy=[^=]+), h=")
 _BELOW = re.compile(r"(?m)^(?:# ?)?\[\[claim\]\]\n(?:.+\n?)+")
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
@@ -123,7 +124,7 @@ def _read_from(
         return
     shown = [f"# --ask {_quoted(one)}\n" for one in questions[:_MOST_READ]]
     more = f"# and {rest} more\n" if (rest := len(questions) - _MOST_READ) > 0 else ""
-    yield f"# Read from the text:\n{''.join(shown)}{more}"
+    yield f"# Read from the text:\n{''.join(shown)}{more}{''.join(_energies_not_kept(suggestions))}"
     held = {by for one in members if one.strong for by in re.findall(r" started=(\w+)", one.alike[0].question)}
     starts = {*starts_said(text.lower())} if any(" started=" in x for x in questions) else set()
     others = _other_starts(document, starts, held)
@@ -133,6 +134,15 @@ def _read_from(
     equations = _equation_at(text)
     with_numbers = {equations.get(x.start, (0, 0)) for x in numbers_in(text) if x.label is None}
     yield from _given(text, ({*equations.values()} - with_numbers) | (starts - others), ids)
+
+
+def _energies_not_kept(suggestions: Suggestions) -> Iterator[str]:
+    """What is said of each energy of the text that its own equations change, as one with a wrong sign."""
+    remarks = dict[str, str]()
+    for each in suggestions.values.known:
+        if each.answer.remark and (found := _ENERGY.search(each.question)):
+            remarks[found[1]] = each.answer.remark
+    yield from (f"# {energy}: {said}; if it should, one of the two is wrong\n" for energy, said in remarks.items())
 
 
 def _other_starts(document: Document, starts: set[Span], held: set[str]) -> set[Span]:

@@ -110,6 +110,16 @@ def test_name_of_the_text_cannot_break_the_draft():
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
 
+@pytest.mark.parametrize(
+    ("energy", "kept"), [("p^2/2 - cos(x)", True), ("p^2/2 + cos(x)", False), ("p^2 - cos(x)", False)]
+)
+def test_an_energy_that_the_equations_of_its_text_change_is_told(energy, kept):
+    problem = "The pendulum is x' = p, p' = -sin(x), x(0) = 1, p(0) = 0, with the energy"
+    text = draft(document_of(f"{problem} E = {energy}. With RK4, h = 0.1, until t = 1 it changes by 2.5e-7.\n"), "a")
+    told = re.findall(r"# energy=(.+): f does not conserve this energy, which .+ changes by .+; if", text)
+    assert told == [energy] * (not kept)
+
+
 PIECES = ("0.877604", "337/384", "0.5", "40", "2.390", "RK4 ", "energy ", "is ", ". ", *'{}"\\\n(%\x7f√')
 
 
