@@ -43,6 +43,12 @@ def test_work_precision_writes_its_files_and_names_them(answer, tmp_path):
     assert {Path(name).name for name in named} | {"points.json"} == set(contents(folder))
 
 
+def test_the_help_says_that_a_time_limit_is_none_for_the_whole_study(answer):
+    said = " ".join(answer("work-precision", "--help").split())
+    assert "seconds for timing one point" in said
+    assert "no limit on the whole: compiling a method takes seconds" in said
+
+
 REFUSED = {
     ("stability", "kepler_09"): "unknown problem 'kepler_09'; did you mean kepler",
     ("stability", "kepler", "--h", "3/7"): "h = 3/7 does not divide t",
