@@ -78,7 +78,7 @@ def test_certify_and_sweep_take_other_parameters(tmp_path, answer, refusal):
     assert answer(*swept).startswith("mine: 1 point")
     assert answer(*swept, *about).startswith("mine with k = 2: 1 point")
     for given in (("--parameters", "k=1", *about), ("--parameters", "k=1,k=2")):
-        assert "k has one value at a time, but is given 1 and 2 " in refusal(*swept, *given)
+        assert "k has one value at a time, but is given 1 and 2" in refusal(*swept, *given)
     head = {
         "problem": f"{mine} with k = 2",
         "start": ["1"],
