@@ -172,18 +172,6 @@ def _parameter(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-class _OnceEach(argparse.Action):
-    """Collect parameters with their values, each of which has one."""
-
-    def __call__(self, parser: object, found: argparse.Namespace, values: Any, option_string: object = None) -> None:
-        given = [*getattr(found, self.dest), *values]
-        names = [name for name, _ in given]
-        if twice := next((name for i, name in enumerate(names) if name in names[:i]), ""):
-            values = " and ".join(value for name, value in given if name == twice)
-            raise argparse.ArgumentError(self, f"{twice} has one value at a time, but is given {values}")
-        setattr(found, self.dest, given)
-
-
 def format_option(choices: str, words: str | None = "json is for programs") -> CommandOption:
     """The option --format, whose first choice is the default."""
     return option("--format", words, choices=choices.split(), default=choices.split()[0])
@@ -200,9 +188,7 @@ methods_option = partial(list_option, "--methods", type=_methods_listed, metavar
 _steps_given = lambda text: text.split(",") if {"pi", "sqrt"} & {*re.findall(r"[a-z]+", text)} else steps_of(text)
 steps_option = partial(list_option, "--h", type=read_by(_steps_given), metavar="H,H")
 OTHER_PARAMETERS = "other values of parameters of your own problem, such as mu=5"
-parameters_option = partial(
-    option, "--parameters", action=_OnceEach, default=[], type=several(_parameter), metavar="NAME=VALUE"
-)
+parameters_option = partial(list_option, "--parameters", type=several(_parameter), metavar="NAME=VALUE")
 error_option = partial(list_option, "--error", type=several(positive_number("error")), metavar="E,E")
 digits_option = partial(option, "--digits", type=integer_in(1, _MOST_DIGITS, "digits"))
 places_option = partial(option, "--places", type=integer_in(0, _MOST_DIGITS, "places"))

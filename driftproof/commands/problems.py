@@ -69,7 +69,8 @@ def stability_command(options: Namespace) -> str:
     cli.list_option("--peers", "also scipy, diffrax, heyoka", type=cli.several(str), metavar="P,P"),
     cli.time_limit_option(
         "seconds for timing one point (default 0.1); a longer run is not timed, and if it needs more than 10⁸"
-        " evaluations for each of these seconds, its error is not measured",
+        " evaluations for each of these seconds, its error is not measured; no limit on the whole: compiling a method"
+        " takes seconds",
         default=0.1,
         metavar="S",
     ),

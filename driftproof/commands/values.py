@@ -40,6 +40,7 @@ def value_command(options: Namespace) -> str:
       + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   of all of these; ratio(a, b) = |a|/|b|, percent, power
     METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
     y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
+    Errors on problems have no sign, nor has error.x; (run ... : x) - (run ... : exact.x) has one.
     Give two of h, t and N (or steps) for a run. The default start is 1,0. phase_error may end in deg, rad or turns.
 
     examples:

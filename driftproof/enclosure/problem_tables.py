@@ -89,7 +89,7 @@ def given_problem(given: Any, parameters: GivenParameters = ()) -> GivenTable:
     `parameters` replace those of the table, or are keywords of a function.
     """
     if parameters and callable(given):
-        return GivenTable(partial(time_first(given), **_arguments({"parameters": dict(parameters)})))
+        return GivenTable(partial(time_first(given), **_arguments({"parameters": _by_name(parameters)})))
     if isinstance(given, Mapping):
         return _of_table(with_parameters(as_toml(given), parameters))
     if isinstance(given, str | Path) and str(given).endswith(".toml"):
@@ -103,12 +103,22 @@ def with_parameters(table: TomlTable, parameters: GivenParameters, name: str = "
     """The table with other values of some parameters, told in its title. Raises ValueError if it has no such one."""
     if not parameters:
         return table
-    values = {each: as_toml(value) for each, value in dict(parameters).items()}
+    values = {each: as_toml(value) for each, value in _by_name(parameters).items()}
     held = as_table(table.get("parameters", {}), "parameters")
     if others := [each for each in values if each not in held and "function" not in table]:
         raise ValueError(unknown("parameter", others[0], held) if held else f"no parameter {others[0]!r}; it has none")
     told = ", ".join(f"{each} = {value}" for each, value in values.items())
     return table | {"parameters": held | values, "title": f"{table.get('title', name)} with {told}"}
+
+
+def _by_name(given: GivenParameters) -> dict[str, ExactNumber]:
+    """The values of the parameters by name. Raises ValueError for a name with several."""
+    found = dict[str, ExactNumber]()
+    for name, value in given.items() if isinstance(given, Mapping) else given:
+        if name in found:
+            raise ValueError(f"{name} has one value at a time, but is given {found[name]} and {value}")
+        found[name] = value
+    return found
 
 
 def _of_table(table: TomlTable) -> GivenTable:

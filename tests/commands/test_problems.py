@@ -43,6 +43,12 @@ def test_work_precision_writes_its_files_and_names_them(answer, tmp_path):
     assert {Path(name).name for name in named} | {"points.json"} == set(contents(folder))
 
 
+def test_the_help_says_that_a_time_limit_is_none_for_the_whole_study(answer):
+    said = " ".join(answer("work-precision", "--help").split())
+    assert "seconds for timing one point" in said
+    assert "no limit on the whole: compiling a method takes seconds" in said
+
+
 REFUSED = {
     ("stability", "kepler_09"): "unknown problem 'kepler_09'; did you mean kepler",
     ("stability", "kepler", "--h", "3/7"): "h = 3/7 does not divide t",
@@ -72,7 +78,7 @@ def test_certify_and_sweep_take_other_parameters(tmp_path, answer, refusal):
     assert answer(*swept).startswith("mine: 1 point")
     assert answer(*swept, *about).startswith("mine with k = 2: 1 point")
     for given in (("--parameters", "k=1", *about), ("--parameters", "k=1,k=2")):
-        assert "k has one value at a time, but is given 1 and 2 " in refusal(*swept, *given)
+        assert "k has one value at a time, but is given 1 and 2" in refusal(*swept, *given)
     head = {
         "problem": f"{mine} with k = 2",
         "start": ["1"],

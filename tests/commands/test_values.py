@@ -37,6 +37,13 @@ def test_answers_to_the_letter(line, answer):
     assert answer("value", *shlex.split(line)) == f"{ANSWERS[line]}\n"
 
 
+def test_what_the_help_says_of_errors_and_their_signs_is_so(answer):
+    assert "nor has error.x; (run ... : x) - (run ... : exact.x) has one" in answer("value", "--help")
+    run = "run forward_euler x'=x, x(0)=1, h=1, t=1"  # 2 - e
+    size, signed = answer("value", f"{run} : error.x"), answer("value", f"({run} : x) - ({run} : exact.x)")
+    assert (signed[0], size) == ("-", signed[1:])
+
+
 def test_json_says_everything(answer):
     assert json.loads(answer("value", "step rk4 h=1/2 : v", "--digits", "3", "--format", "json")) == {
         "question": "step rk4 h=1/2 : v", "exact": "-23/48", "decimal": "-0.479", "rounding": "half-even",

@@ -58,6 +58,13 @@ def test_parameters_are_replaced_or_are_keywords_and_texts_have_none():
             given_problem(given, {"g": 1})
 
 
+@pytest.mark.parametrize("given", [{"rates": ["-k * y0"], "parameters": {"k": 2}}, lambda t, y, k: -k * y])
+def test_a_parameter_has_one_value_at_a_time(given):
+    with pytest.raises(ValueError, match=r"^k has one value at a time, but is given 0\.1 and 0\.3$"):
+        given_problem(given, [("k", 0.1), ("k", 0.3)])
+    assert given_problem(given, [("k", 0.1)])
+
+
 @pytest.mark.parametrize(
     "rates", [{"x": "-v", "v": "x"}, "x' = -v, v' = x"], ids=["a table of names", "equations in one text"]
 )
