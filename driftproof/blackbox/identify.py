@@ -33,6 +33,7 @@ from driftproof.blackbox.judging.systems.own_system import linear_fit_of_all, ow
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.naming import Seen
+from driftproof.blackbox.probes.linear_steps import LINEARISED
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import ADAPTIVE, MOVES, REMEMBERS, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -164,7 +165,8 @@ def identification(
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.outcome_of(partial(nonlinear_twins, keys=implicit)) if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic=arithmetic)
-    if seen.naming.words == NOT_KNOWN and introduced.result.calls == MAP:
+    linear = seen.naming.basis is Basis.LINEAR_ONLY and seen.fit is not None and seen.fit.kind == LINEARISED
+    if (linear or seen.naming.words == NOT_KNOWN) and introduced.result.calls == MAP:
         seen = replace(seen, own=runner.outcome_of(own_methods).result)
     rounding = Outcome()
     if seen.key is not None and METHODS[seen.key].explicit:
@@ -196,7 +198,7 @@ class Identification:
     def doubts(self) -> list[str]:
         """What makes the name less than certain: an error that is no rounding, later steps, another arithmetic."""
         seen, found = self.seen, self.rounding.result
-        otherwise_named = seen.read or (seen.fit and seen.fit.nearly)
+        otherwise_named = seen.read or (seen.fit and seen.fit.nearly) or seen.own
         failing = None if found is None or found.but_for or otherwise_named else found.failing
         beyond = failing and failing.answer and failing.error_over_bound
         off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""

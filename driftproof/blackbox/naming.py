@@ -87,7 +87,7 @@ class Seen:
     damping: Outcome
     twins: Outcome
     checks: tuple[CheckResult, ...]
-    own: OwnMethods | None = None  # what it is on another system than q'' = -q, asked where no method is named
+    own: OwnMethods | None = None  # what it is on another system than q'' = -q
     arithmetic: str = ""  # a change of the rounding mode or of subnormal numbers, in words
 
     @cached_property
@@ -154,8 +154,11 @@ class Seen:
         if fit is not None and fit.best is not None:
             best, nearest = fit.best, fit.nearly or fit.nearest
             keys = (*best.methods, *(nearest.methods if nearest is not None else ()), *twins)
+            own = "" if self.own is None else f"; {self.own.system}"
+            if self.own is not None and self.own.keys is not None:
+                return self._on_own_system(self.own.system, self.own.keys, _in_words(fit, best))
             reserved = bool(best.restriction) or not best.rates_are_right or (nearest is not None and nearest.off > 0)
-            words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}"
+            words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}{own}"
             return Naming(Basis.LINEAR_ONLY, words, keys, reserved)
         if read is not None and read.identity.near:
             return _near(read.identity.near[0])
@@ -170,6 +173,14 @@ class Seen:
         of_one_number = self.linear.kind == UnsupportedCall.kind and self.coefficients.failed
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE or of_one_number]
         return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
+
+    def _on_own_system(self, system: str, keys: Sequence[str], linear: str) -> Naming:
+        """The methods whose steps it takes on a system that is linear near (0, 0) only, where it is `linear`."""
+        if not keys:
+            alone = f"and on it its steps are those of no method; near (0, 0) it is {linear}"
+            return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {system}, {alone}")
+        words = f"judging by one system only, it is {_named(keys)}; {system}"
+        return Naming(Basis.LINEAR_ONLY, words, tuple(keys), reserved=True)
 
     def _known(self, read: Recognised) -> Naming:
         """All methods with the coefficients read, and what is to be added: rows, stages, forces, faults besides y1."""
@@ -208,9 +219,7 @@ class Seen:
         if self.own is not None and self.own.keys == ():
             return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {self.own.system}, and on it its steps are those of no method")
         if self.own is not None:
-            first, more = (self.own.keys or ())[:_MOST_NAMED], len(self.own.keys or ()) - _MOST_NAMED
-            names = f"{' or '.join(first)}{f' or {more} more methods' * (more > 0)}"
-            alike = f"on it its steps are those of {names}" if first else "verify shows more"
+            alike = f"on it its steps are those of {_named(self.own.keys)}" if self.own.keys else "verify shows more"
             return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {self.own.system}: {alike}", self.own.keys or ())
         return Naming(Basis.UNKNOWN, NOT_KNOWN if found is None else found.verdict)
 
@@ -231,6 +240,12 @@ class Seen:
         orders: tuple[MeasuredOrder, ...] = self.order.result or ()
         partitioned = self.read is not None and isinstance(self.read.reading, ForceReading)
         return orders[::-1] if partitioned else orders
+
+
+def _named(keys: Sequence[str]) -> str:
+    """The first of the methods, and how many there are besides."""
+    more = len(keys) - _MOST_NAMED
+    return " or ".join([*keys[:_MOST_NAMED], *[f"{more} more methods"] * (more > 0)])
 
 
 def _varied(basis: Basis, matches: Sequence[Match], more: str, limited: str = "") -> Naming:

@@ -53,6 +53,51 @@ def test_a_method_of_linear_steps_is_not_named_without_a_word_on_the_step_that_i
     assert linear.verdict == "judging by linear steps only, it is forward_euler"
 
 
+def pendulum(push=lambda v: 0.0):
+    """Velocity Verlet of the pendulum; with a push h³ v² it is another method, but for states near (0, 0)."""
+
+    def step(q, v, h):
+        half = v - h / 2 * np.sin(q)
+        q1 = q + h * half
+        return q1, half - h / 2 * np.sin(q1) + h**3 * push(v)
+
+    return step
+
+
+def midpoint_of_pendulum(q, v, h):
+    """The implicit midpoint rule, iterated until it stands: its linear steps in few digits are those of others."""
+    k, w = v, -np.sin(q)
+    for _ in range(100):
+        k, w = v + h / 2 * w, -np.sin(q + h / 2 * k)
+    return q + h * k, v + h * w
+
+
+def single(q, v, h):
+    """Velocity Verlet of the pendulum in single precision."""
+    return tuple(map(float, pendulum()(*map(np.float32, (q, v, h)))))
+
+
+NEAR_0, ANOTHER = "method; near (0, 0) it is velocity_verlet", "its system is built in, not q'' = -q but another one"
+PENDULUM = "its system is built in, not q'' = -q but q' = v, v' = -q near (0, 0)"
+
+
+@pytest.mark.parametrize(
+    ("step", "verdict"),
+    [
+        (pendulum(), f"judging by one system only, it is velocity_verlet; {PENDULUM}"),
+        (midpoint_of_pendulum, f"judging by one system only, it is implicit_midpoint or lobatto_iiib2; {PENDULUM}"),
+        (
+            pendulum(lambda v: v * v),
+            f"it is not a known method: {PENDULUM}, and on it its steps are those of no {NEAR_0}",
+        ),
+        (single, f"judging by linear steps only, it is velocity_verlet; {ANOTHER}"),
+    ],
+    ids=["verlet", "midpoint", "pushed", "single"],
+)
+def test_steps_of_a_system_that_is_linear_near_0_alone_are_named_by_what_they_are_on_it(step, verdict):
+    assert identify(step, isolate=False).verdict == verdict
+
+
 def solved_by_iteration(theta, tolerance, *, relative):
     """q₁ = q + h ((1 - θ) v + θ v₁), and v₁ alike, iterated until a change is small."""
 

@@ -116,10 +116,11 @@ def test_a_corrector_whose_slope_is_taken_a_step_too_early_is_said_to_be_that():
 
 def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_read_to():
     method = FURTHER_METHODS["adams_bashforth2"]
-    exact, off = Recurrence.of(method, BINARY64), "sigma[0]: -0.4999999999999995 instead of -1/2"
+    exact, units = Recurrence.of(method, BINARY64), "units in its last place away)"
+    off = f"sigma[0]: -0.4999999999999995 instead of -1/2 (about 9 {units}"
     for sigma, found in (
         ((-0.5 + 4 * U, 1.5 + 6 * U, 0.0), ()),
-        ((-0.5 + 4.5 * U, 1.5 + 8 * U, 0.0), (off, "sigma[1]: 1.5000000000000009 instead of 3/2")),
+        ((-0.5 + 4.5 * U, 1.5 + 8 * U, 0.0), (off, f"sigma[1]: 1.5000000000000009 instead of 3/2 (about 4 {units}")),
         ((1.0, 2.0, 3.0), None),
     ):
         assert replace(exact, sigma=sigma).differences(method) == found
