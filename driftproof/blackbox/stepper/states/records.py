@@ -351,7 +351,7 @@ def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, t
     for name, needed in record.slopes.items():
         with suppress(Exception):
             ends = [end(np.negative, 1.0, 0.5, 0.0, 0.25, **{name: x}) for x in (1.0, 2.0)]
-            if record.pair(ends[0]) == record.pair(ends[1]) or not (needed or parts_of(ends[0])[name]):
+            if record.pair(ends[0]) == record.pair(ends[1]) or not (needed or named_parts(ends[0])[name]):
                 continue  # it is not read, or is a sum of forces that each step empties
             by = factor if calling.has_gradient([name]) == (factor < 0) else -factor
             by /= abs(by) if calling.is_acceleration(name) or calling.has_gradient([name]) else 1.0
@@ -370,6 +370,6 @@ def _handing_on(end: Callable[..., Foreign], record: Record, name: str, by: floa
 
     def carried(force: Any, q: Foreign, v: Foreign, acc: Foreign, h: float) -> tuple[Foreign, ...]:
         found = end(force, q, v, 0.0, h, **{name: by * acc})
-        return (*(record.pair(found) or tuple(found)), parts_of(found)[name] / by)
+        return (*(record.pair(found) or tuple(found)), named_parts(found)[name] / by)
 
     return carried

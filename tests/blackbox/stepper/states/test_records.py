@@ -204,6 +204,29 @@ def test_a_step_of_a_record_is_opened_as_it_is_written_and_a_wrong_one_is_caught
     assert wrong in found.verdict
 
 
+class Plain:
+    """A record of plain Python, whose fields nothing but its use tells."""
+
+    def __init__(self, pos, vel, acc):
+        self.pos, self.vel, self.acc = pos, vel, acc
+
+
+def of_a_plain_object(body, dt, *, stale=False):
+    vel = body.vel + dt / 2 * body.acc
+    pos = body.pos + dt * vel
+    acc = -np.sin(body.pos if stale else pos)
+    return Plain(pos, vel + dt / 2 * acc, acc)
+
+
+def test_a_plain_object_that_hands_on_its_acceleration_is_a_record_and_a_stale_one_is_told():
+    pendulum = lambda t, y: [y[1], -np.sin(y[0])]
+    assert verify(of_a_plain_object, "velocity_verlet", system=pendulum, isolate=False).passed
+    late = lambda body, dt: of_a_plain_object(body, dt, stale=True)
+    found = verify(late, "velocity_verlet", system=pendulum, isolate=False)
+    assert not found.passed
+    assert "hands on as that at its end is that of where its step began" in found.verdict
+
+
 def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_arguments_has_no_form():
     seen = []
     (form,) = exactly(1, [*record_forms(integrate)][:1])
