@@ -316,9 +316,8 @@ def _of_numbers(
         parts = named_parts(state if found is None else found)
         return [parts[each] for each in order]
 
-    form: Any = moved if clock else lambda y, h: moved(0.0, y, h)
-    form.state_names, form.reading = tuple(order), f"the state: {', '.join(order)} of a {name}"
-    yield form
+    call = moved if clock else lambda y, h: moved(0.0, y, h)
+    yield StepForm(call, f"the state: {', '.join(order)} of a {name}", state_names=order)
 
 
 def _form(step: Callable[..., Any], record: Record, slopes: bool, pushed: str, timed: bool) -> Callable[..., Any]:
