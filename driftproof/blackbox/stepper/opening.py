@@ -371,7 +371,8 @@ class Target(NamedCode):
         except (findings.NothingReturned, findings.AskedAtNoState, findings.WrongAnswer):
             raise
         except (findings.WrongShape, findings.NotANumber) as unread:
-            line = f"; if these are its state, say so: {AS_PARTS}" * isinstance(unread, findings.UnlikeParts)
+            bodies = isinstance(unread, findings.UnlikeParts) or with_own_slope(step)  # of several, by its arrays
+            line = f"; if these are its state, say so: {AS_PARTS}" if bodies else ""
             with suppress(ValueError):  # a form that is no convention by itself has no wrapper of a line
                 convention = calling.conventions_of(step, self.calls)[0]
                 line = line or wrappers.answer_wrapper(ForeignStepper(step, convention, ARRAYS))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import BadInput, Misbehaviour, NothingReturned, WrongShape
+from driftproof.blackbox.findings import BadInput, Misbehaviour, NothingReturned, UnlikeParts, WrongShape
 from driftproof.blackbox.stepper.calling_conventions import (
     ANGULAR,
     FUNCTION,
@@ -175,7 +175,8 @@ class Start:
                 found = [np.concatenate(found), *(as_array(part).ravel() for part in given[1:])]
             if [len(part) for part in found] != [max(1, n) for n in self.parts]:
                 seen = ", ".join(str(len(part)) for part in found)
-                raise WrongShape(f"it returns parts of {seen} numbers, which are not those of the start")
+                unlike = UnlikeParts if sum(map(len, found)) > len(y) else WrongShape  # more, as of rows with masses
+                raise unlike(f"it returns parts of {seen} numbers, which are not those of the start")
             return np.concatenate(found)
 
         later = zip(known[1:], self.parts[1:], self.cuts[1:], strict=True)

@@ -135,6 +135,34 @@ def test_a_0_without_other_numbers_in_its_part_is_held_there():
     assert (found.passed, "from states in 0, 0, 0.175:0.225, 4.375:5.625" in found.verdict) == (True, True)
 
 
+def repelled(x, box):
+    """The forces of bodies that repel each other, through the walls of a periodic box, too."""
+    apart = x[:, None] - x
+    apart -= box * np.round(apart / box)
+    return (apart / (1 + (apart**2).sum(-1, keepdims=True)) ** 2).sum(1)
+
+
+def molecules(x, v, f, dt, *, masses=np.ones(3), box=6.0, stale=False):  # noqa: B008
+    """Velocity Verlet as codes of molecular dynamics have it: in rows, in a box, its forces handed on."""
+    v = v + dt / 2 * f / masses[:, None]
+    x = (x + dt * v) % box
+    new = repelled(x, box)
+    return x, v + dt / 2 * (f if stale else new) / masses[:, None], new
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_bodies_of_three_masses_in_a_periodic_box_are_judged_with_the_forces_that_they_hand_on(stale):
+    def system(t, y):
+        return [*y[9:], *repelled(np.reshape(y[:9], (3, 3)), 6.0).ravel()]
+
+    step = lambda x, v, f, dt: molecules(x, v, f, dt, stale=stale)
+    found = judged(step, "velocity_verlet", system, "0,1,2,2,1,0,1,3,2; 0.2,0.1,0,0.1,0.3,0,0,0.1,0.1")
+    assert found.passed is not stale
+    assert ("number 9 becomes" if stale else "whole periods of 6") in found.verdict
+    with pytest.raises(ValueError, match="if these are its state, say so: verify --system MODULE:f --start"):
+        verify(step, "velocity_verlet", system=system, isolate=False)
+
+
 REFUSED = {
     "x": "'x' is no number, nor a range such as 280:400",
     "1:2:3": "'1:2:3' is no number",

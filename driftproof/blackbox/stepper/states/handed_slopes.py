@@ -142,6 +142,8 @@ def with_own_slope(step: Callable[..., Any], start: tuple[Foreign, Foreign] | No
             here, again = (parts(q, v, other + 0.0 * q, 0.0)[0] for other in (0.0, 1.0))
             slope, end = parts(q, v, here, 0.25)
             there, kept = parts(end[0], end[1], 0.0 * q, 0.0)[0], parts(q, v, here + 1.0, 0.25)[0]
+            if np.shape(end[0]) != np.shape(q):  # it makes more of a number, as by masses of several bodies
+                continue
             if np.array_equal(here, again) and np.any(here != there):
                 if np.allclose(slope, there, _ALIKE, 0):
                     return begun

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -9,6 +10,7 @@ from copy import copy
 from functools import reduce
 from itertools import chain, product
 from operator import getitem
+from textwrap import dedent
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,10 +50,31 @@ def function_wrapper(step: Callable[..., Any]) -> str:
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
     kind = common.kind_by_names(names)
     given = arguments_by_role(names, kind)
+    if kind == FORCE and (force := _named(names, calling.ROLES[calling.CARRIED])) and not _is_called(step, force):
+        return _handing_on(step, names)
     line = run_wrapper(step, names)
     states = [*given.values()]
     told = given and (kind != MAP or (len(names) - len(given) < _MOST_OPEN and states.count("[q, v]") < 2))
     return line or (_call(step, names, given, kind) if told else "")
+
+
+def _is_called(step: Callable[..., Any], name: str) -> bool:
+    """True unless the source of the step shows that it neither calls this argument nor hands it to another function."""
+    with suppress(OSError, TypeError, SyntaxError):
+        calls = [x for x in ast.walk(ast.parse(dedent(inspect.getsource(step)))) if isinstance(x, ast.Call)]
+        used = [part for x in calls for part in (x.func, *x.args, *(each.value for each in x.keywords))]
+        return any(isinstance(part, ast.Name) and part.id == name for part in used)
+    return True
+
+
+def _handing_on(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The wrapper of a step that is given a force, as numbers, and hands on the next one; "" if nothing is to write."""
+    parts = (calling.POSITION, calling.VELOCITY, calling.CARRIED, calling.FUNCTION, calling.STEP, calling.TIME)
+    left = [each for each in names if not calling.role_of(each, parts)]
+    call = call_by_names(step, names, {each: each.upper() if each in left else each for each in names})
+    taken = ", ".join(each for each in names if each not in left)
+    said = f"# write values for {', '.join(map(str.upper, left))}; its forces are its own: verify --system"
+    return f"def wrapped({taken}): return {call}  {said}" if left else ""
 
 
 def gradients_of(names: Sequence[str]) -> dict[str, str]:

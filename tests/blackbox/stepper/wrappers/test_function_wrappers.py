@@ -148,6 +148,25 @@ def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_f
     assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
 
 
+def given_forces(x, v, f, m, box, dt):
+    v = v + dt * f / m
+    return (x + dt * v) % box, v, f
+
+
+def asking_forces(x, v, f, m, box, dt):
+    v = v + dt * f(x) / m
+    return (x + dt * v) % box, v
+
+
+def test_forces_that_a_step_is_given_as_numbers_stay_an_argument_of_its_wrapper():
+    line = wrapper_line(given_forces)
+    assert line.startswith(
+        ": def wrapped(x, v, f, dt): return given_forces(x, v, f, M, BOX, dt)  # write values for M, BOX"
+    )
+    line = wrapper_line(asking_forces)
+    assert line.startswith(": def wrapped(force, q, v, h): return asking_forces(q, v, force, 1.0, BOX, h)")
+
+
 def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_unknown():
     def solve(f, t_span, y0, rtol, atol):
         return None
