@@ -59,11 +59,13 @@ def function_wrapper(step: Callable[..., Any]) -> str:
 
 
 def _is_called(step: Callable[..., Any], name: str) -> bool:
-    """True unless the source of the step shows that it neither calls this argument nor hands it to another function."""
+    """True unless the source of the step uses this argument, but neither calls it nor hands it to another function."""
     with suppress(OSError, TypeError, SyntaxError):
-        calls = [x for x in ast.walk(ast.parse(dedent(inspect.getsource(step)))) if isinstance(x, ast.Call)]
-        used = [part for x in calls for part in (x.func, *x.args, *(each.value for each in x.keywords))]
-        return any(isinstance(part, ast.Name) and part.id == name for part in used)
+        parts = [*ast.walk(ast.parse(dedent(inspect.getsource(step))))]
+        calls = [x for x in parts if isinstance(x, ast.Call)]
+        handed = [part for x in calls for part in (x.func, *x.args, *(each.value for each in x.keywords))]
+        used, called = ([x for x in of if isinstance(x, ast.Name) and x.id == name] for of in (parts, handed))
+        return bool(called) or not used
     return True
 
 
