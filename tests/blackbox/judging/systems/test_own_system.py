@@ -288,7 +288,7 @@ WRONG = {
     ),
     "not smooth": (on(rubbing, last=0.5), "rk4", "where rk4 ends in"),
     "a slope of a fall": (on(falling, of=1), "rk4", "where rk4 ends in"),
-    "one kick": (leapfrog((1.0, 0.0)), "velocity_verlet", "it is velocity-first symplectic Euler"),
+    "one kick": (leapfrog((1.0, 0.0)), "velocity_verlet", "judging by one system only, it is symplectic_euler"),
     "implicit": (backward, "trapezoid", "is not trapezoid", SOLVED),
     "another method": (attracted, "heun2", "where heun2 ends in"),
     "of three numbers": (stepper_of(lambda: Lorenz(2), state="state", advance=moved), "rk4", "where rk4 ends in"),
